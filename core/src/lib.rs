@@ -1,0 +1,1 @@
+//! Messages, maps, stage traits, registry, pipeline file and engine of Rumbo.

@@ -1,0 +1,1 @@
+//! Avoiders of Rumbo.

@@ -1,0 +1,1 @@
+//! What several Rumbo plugins share: ray casting, distance fields, grid search.

@@ -1,0 +1,1 @@
+//! Localizers of Rumbo.

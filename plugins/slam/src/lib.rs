@@ -1,0 +1,1 @@
+//! Simultaneous localization and mapping for Rumbo.

@@ -1,0 +1,1 @@
+//! Worlds of Rumbo: the 2.5-D simulator.

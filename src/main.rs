@@ -1,0 +1,2 @@
+//! The `rumbo` command.
+fn main() {}
