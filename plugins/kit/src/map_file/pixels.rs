@@ -100,8 +100,7 @@ fn load_pgm(
 fn next_number(file: &mut impl BufRead) -> Result<Option<u64>, String> {
     let mut token = String::new();
     let mut in_comment = false;
-    loop {
-        let Some(byte) = next_byte(file) else { break };
+    while let Some(byte) = next_byte(file) {
         match byte {
             b'\n' | b'\r' if in_comment => in_comment = false,
             _ if in_comment => {}
