@@ -1,1 +1,22 @@
 //! Messages, maps, stage traits, registry, pipeline file and engine of Rumbo.
+//!
+//! Stages, messages and maps are the seams; the engine is the only place where they meet.
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod boundary;
+pub mod engine;
+pub mod frames;
+pub mod map;
+pub mod messages;
+pub mod registry;
+pub mod rng;
+pub mod robot;
+pub mod stages;
+pub mod time;
+pub mod trace;
+
+/// What the registration macros need to name from other crates.
+#[doc(hidden)]
+pub mod macro_support {
+    pub use inventory;
+}

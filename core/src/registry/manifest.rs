@@ -1,0 +1,49 @@
+//! What a plugin declares, so that a pipeline can be proved to fit together before it runs.
+
+use crate::map::Layer;
+use crate::messages::ObservationKind;
+use crate::robot::DriveKind;
+use serde::Serialize;
+
+/// Needs and gifts of a configured plugin.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Manifest {
+    /// Map layers that it reads.
+    pub needs_layers: Vec<Layer>,
+    /// Map layers that it writes.
+    pub gives_layers: Vec<Layer>,
+    /// It writes on top of layers that another builder gives.
+    pub overlays: bool,
+    /// Observations that it cannot do without: of each group, at least one kind.
+    pub consumes: Vec<Vec<ObservationKind>>,
+    /// Observations that it makes.
+    pub produces: Vec<ObservationKind>,
+    /// It derives its observations from other sensors' (`inputs` is required).
+    pub is_virtual: bool,
+    /// Drives that it can steer or plan for.
+    pub drives: Vec<DriveKind>,
+    /// How often it runs when the pipeline does not say, times a second.
+    pub default_rate_hz: Option<f64>,
+    /// The fastest that the device can do, times a second.
+    pub max_rate_hz: Option<f64>,
+    /// It asks for motion while it looks for the robot.
+    pub wishes_motion: bool,
+}
+
+impl Default for Manifest {
+    /// Needs nothing, gives nothing, steers every drive.
+    fn default() -> Self {
+        Manifest {
+            needs_layers: Vec::new(),
+            gives_layers: Vec::new(),
+            overlays: false,
+            consumes: Vec::new(),
+            produces: Vec::new(),
+            is_virtual: false,
+            drives: DriveKind::ALL.to_vec(),
+            default_rate_hz: None,
+            max_rate_hz: None,
+            wishes_motion: false,
+        }
+    }
+}
