@@ -8,6 +8,7 @@ pub mod engine;
 pub mod frames;
 pub mod map;
 pub mod messages;
+pub mod pipeline;
 pub mod registry;
 pub mod rng;
 pub mod robot;

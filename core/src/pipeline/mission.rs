@@ -1,0 +1,137 @@
+//! What the robot is to do, and what a pipeline's own tests expect of it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A place to pass or to reach.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Waypoint {
+    /// In the map's frame, meters.
+    pub x_m: f64,
+    /// In the map's frame, meters.
+    pub y_m: f64,
+    /// Which way to look there, degrees; free where absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yaw_deg: Option<f64>,
+}
+
+/// What the localizer is told at the start.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum InitialPose {
+    /// A word.
+    WellKnown(WellKnownPose),
+    /// A place that an operator would point at.
+    Pose {
+        /// In the map's frame, meters.
+        x_m: f64,
+        /// In the map's frame, meters.
+        y_m: f64,
+        /// Which way the robot looks, degrees.
+        #[serde(default)]
+        yaw_deg: f64,
+    },
+}
+
+/// Words for an initial pose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WellKnownPose {
+    /// Where the world puts the robot, if it says so.
+    #[default]
+    World,
+    /// The robot may be anywhere.
+    Unknown,
+}
+
+/// The table `[mission]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Mission {
+    /// Where to go, one after the other.
+    pub waypoints: Vec<Waypoint>,
+    /// Within this distance of a waypoint that is not the last one the robot goes on to the next, meters; 0 means that
+    /// it arrives at each.
+    pub switch_radius_m: f64,
+    /// Within this distance a goal counts as reached, meters.
+    pub arrival_radius_m: f64,
+    /// A goal that takes longer is given up, seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub goal_timeout_s: Option<f64>,
+    /// What the localizer is told at the start: `"world"`, `"unknown"`, or a pose.
+    pub initial_pose: InitialPose,
+    /// Standard deviation of the initial position, meters.
+    pub initial_deviation_m: f64,
+    /// Standard deviation of the initial yaw, degrees.
+    pub initial_deviation_deg: f64,
+    /// An obstacle that nothing has seen for this long may be forgotten when no way is left, seconds.
+    pub obstacle_memory_s: f64,
+    /// Remove remembered obstacles that a range sensor now sees through.
+    pub forget_seen_through: bool,
+    /// New plans for one goal at the most; absent for no limit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_replans: Option<u32>,
+}
+
+impl Default for Mission {
+    fn default() -> Self {
+        Mission {
+            waypoints: Vec::new(),
+            switch_radius_m: 0.0,
+            arrival_radius_m: 0.10,
+            goal_timeout_s: None,
+            initial_pose: InitialPose::WellKnown(WellKnownPose::World),
+            initial_deviation_m: 0.05,
+            initial_deviation_deg: 2.0,
+            obstacle_memory_s: 60.0,
+            forget_seen_through: true,
+            max_replans: None,
+        }
+    }
+}
+
+/// One `[[test]]` of a pipeline.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PipelineTest {
+    /// What it shows, as a sentence.
+    pub name: String,
+    /// Seed in place of the pipeline's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seed: Option<u64>,
+    /// What must be true at the end.
+    pub expect: Expect,
+}
+
+/// What must be true at the end of a run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Expect {
+    /// All waypoints are reached within this time, seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arrives_within_s: Option<f64>,
+    /// The run ends for this reason (`arrived`, `unreachable`, `timeout`, `ended`, ...).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// Distance from the true end to the goal at the most, meters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub goal_error_m: Option<f64>,
+    /// Distance from the last estimate to the truth at the most, meters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub final_error_m: Option<f64>,
+    /// Root mean square of the distance from estimate to truth at the most, meters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_error_m: Option<f64>,
+    /// The hull touches nothing.
+    pub no_contact: bool,
+    /// Hull to obstacle at the least, meters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min_clearance_m: Option<f64>,
+    /// New plans at the least.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replans_at_least: Option<u32>,
+    /// New plans at the most.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub replans_at_most: Option<u32>,
+}
