@@ -1,5 +1,14 @@
-//! What several Rumbo plugins share: ray casting, distance fields, grid search.
+//! What several Rumbo plugins share: ray casting, distance fields, grid search, map and world files.
+//!
+//! The grid kernels work on plain slices and sizes in cells, so they can be used without the framework.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod distance_field;
+pub mod generated_world;
+mod grid_size;
 pub mod map_file;
+pub mod ray;
+pub mod simd;
 pub mod world_file;
+
+pub use grid_size::{GridSize, NEIGHBORS_8};
