@@ -1,1 +1,31 @@
-//! The engine.
+//! The engine: the only place where stages meet.
+//!
+//! Read [`Engine::step`] first: it tells on one page how data flows from the sensors to the wheels.
+
+mod build;
+mod events;
+mod guard;
+mod localization;
+mod metrics;
+mod navigator;
+mod observer;
+mod obstacles;
+mod odometry_track;
+mod planning;
+mod ring;
+mod run;
+mod schedule;
+mod seat;
+mod step;
+mod stop_zone;
+mod timing;
+mod wish;
+
+pub use build::EngineError;
+pub use events::{Event, EventKind, Intervention};
+pub use metrics::{Metrics, Summary};
+pub use navigator::{Order, Outcome, State};
+pub use observer::{Observer, StepView};
+pub use run::{EndReason, RunEnd};
+pub use step::{Engine, Stepped};
+pub use timing::{Part, StageTimes};

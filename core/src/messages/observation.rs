@@ -122,7 +122,7 @@ impl Check for Observation {
 /// Where sensors put what they see, and where they get buffers for it.
 #[derive(Debug, Default)]
 pub struct Observations {
-    items: Vec<Observation>,
+    items: VecDeque<Observation>,
     f32_pool: BufferPool<f32>,
     u16_pool: BufferPool<u16>,
     point_pool: BufferPool<[f32; 3]>,
@@ -131,17 +131,17 @@ pub struct Observations {
 impl Observations {
     /// Adds one observation.
     pub fn push(&mut self, observation: Observation) {
-        self.items.push(observation);
+        self.items.push_back(observation);
     }
 
-    /// What was put here since the last [`drain`](Self::drain).
-    pub fn items(&self) -> &[Observation] {
-        &self.items
+    /// Takes out the oldest.
+    pub fn pop_front(&mut self) -> Option<Observation> {
+        self.items.pop_front()
     }
 
-    /// Takes everything out, oldest first.
-    pub fn drain(&mut self) -> std::vec::Drain<'_, Observation> {
-        self.items.drain(..)
+    /// What is here, oldest first.
+    pub fn iter(&self) -> impl Iterator<Item = &Observation> {
+        self.items.iter()
     }
 
     /// A buffer for ranges and other `f32` rows, all zero.

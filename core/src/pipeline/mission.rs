@@ -59,6 +59,8 @@ pub struct Mission {
     /// A goal that takes longer is given up, seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub goal_timeout_s: Option<f64>,
+    /// The whole mission may take this long, seconds of the world's time.
+    pub time_limit_s: f64,
     /// What the localizer is told at the start: `"world"`, `"unknown"`, or a pose.
     pub initial_pose: InitialPose,
     /// Standard deviation of the initial position, meters.
@@ -81,6 +83,7 @@ impl Default for Mission {
             switch_radius_m: 0.0,
             arrival_radius_m: 0.10,
             goal_timeout_s: None,
+            time_limit_s: 3600.0,
             initial_pose: InitialPose::WellKnown(WellKnownPose::World),
             initial_deviation_m: 0.05,
             initial_deviation_deg: 2.0,

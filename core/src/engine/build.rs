@@ -1,0 +1,267 @@
+//! From a pipeline to an engine.
+
+use super::guard::Guard;
+use super::localization::{Finder, Localization};
+use super::navigator::Navigator;
+use super::odometry_track::OdometryTrack;
+use super::planning::{PlannerSeat, Planning};
+use super::ring::Ring;
+use super::schedule::{Schedule, TaskId};
+use super::seat::Seat;
+use super::step::{Engine, SensorSeat};
+use super::wish::WishMotion;
+use crate::frames::{Pose2, Pose3};
+use crate::map::Map;
+use crate::messages::{Command, Estimate, ObservationKind, Observations, Prior, SensorId};
+use crate::pipeline::{Pipeline, Rate, StageSpec};
+use crate::registry::Built;
+use crate::stages::{Background, BuildContext, BuildError, Localizer, World};
+use crate::time::{Span, Time};
+use crate::trace::Trace;
+use std::path::PathBuf;
+
+/// Why an engine cannot be built: which section, and what its plugin says.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{section}: {error}")]
+pub struct EngineError {
+    /// Name of the section or sensor.
+    pub section: String,
+    /// What its plugin says.
+    pub error: BuildError,
+}
+
+/// Observations that the ring holds at most: ten seconds of a robot with many fast sensors.
+const RING: usize = 4096;
+/// Control rate when the pipeline does not say.
+const CONTROL: Rate = Rate::Hz(10.0);
+/// Rate of a sensor when neither the pipeline nor its plugin says.
+const SENSOR: Rate = Rate::Hz(10.0);
+
+/// Builds stages one after the other.
+struct Builder<'p> {
+    pipeline: &'p Pipeline,
+    world_map: Option<PathBuf>,
+    real_time: bool,
+    dry_run: bool,
+}
+
+impl Builder<'_> {
+    fn context(&self, spec: &StageSpec, sensor: SensorId, base_from_sensor: Pose3) -> BuildContext {
+        BuildContext {
+            name: spec.name.clone(),
+            sensor,
+            robot: self.pipeline.robot.clone(),
+            base_from_sensor,
+            rate_hz: spec.rate.map(|rate| 1.0 / rate.period().as_secs()),
+            seed: self.pipeline.seed,
+            folder: self.pipeline.folder.clone(),
+            world_map: self.world_map.clone(),
+            wanted_layers: self.pipeline.wanted_layers(),
+            dry_run: self.dry_run,
+            background: self.background(spec),
+        }
+    }
+
+    fn background(&self, spec: &StageSpec) -> Background {
+        if self.real_time { Background::threaded() } else { Background::inline(spec.latency) }
+    }
+
+    fn stage<T: TryFrom<Built, Error = BuildError>>(&self, spec: &StageSpec) -> Result<T, EngineError> {
+        self.mounted(spec, SensorId(0), Pose3::identity())
+    }
+
+    fn mounted<T: TryFrom<Built, Error = BuildError>>(
+        &self,
+        spec: &StageSpec,
+        sensor: SensorId,
+        base_from_sensor: Pose3,
+    ) -> Result<T, EngineError> {
+        let context = self.context(spec, sensor, base_from_sensor);
+        let built = spec.configured.build(&context).and_then(T::try_from);
+        built.map_err(|error| EngineError { section: spec.name.clone(), error })
+    }
+
+    fn optional<T: TryFrom<Built, Error = BuildError>>(
+        &self,
+        spec: Option<&StageSpec>,
+    ) -> Result<Option<T>, EngineError> {
+        spec.map(|spec| self.stage(spec)).transpose()
+    }
+}
+
+impl Engine {
+    /// Builds every stage of the pipeline and starts the map builders.
+    pub fn build(pipeline: &Pipeline) -> Result<Engine, EngineError> {
+        Engine::build_as(pipeline, false)
+    }
+
+    /// As [`build`](Self::build), but touches no device: what a check does.
+    pub fn build_dry(pipeline: &Pipeline) -> Result<Engine, EngineError> {
+        Engine::build_as(pipeline, true)
+    }
+
+    fn build_as(pipeline: &Pipeline, dry_run: bool) -> Result<Engine, EngineError> {
+        let mut builder = Builder { pipeline, world_map: None, real_time: false, dry_run };
+        let world: Box<dyn World> = builder.stage(&pipeline.world)?;
+        builder.world_map = world.map_file().map(PathBuf::from);
+        builder.real_time = world.is_real_time();
+        Engine::with_world(&builder, world)
+    }
+
+    fn with_world(builder: &Builder<'_>, world: Box<dyn World>) -> Result<Engine, EngineError> {
+        let pipeline = builder.pipeline;
+        let mut schedule = Schedule::default();
+        let ring = Ring::new(RING, pipeline.odometer.is_some());
+        let sensors = sensors(builder, &mut schedule)?;
+        let odometer = odometer(builder, &mut schedule, &ring)?;
+        let localization = localization(builder, &mut schedule, &ring)?;
+        let mut map = Map::default();
+        let mut builders = Vec::new();
+        for spec in &pipeline.map_builders {
+            let mut built: Box<dyn crate::stages::MapBuilder> = builder.stage(spec)?;
+            let error = |e: crate::stages::MapError| BuildError::at("", e.to_string());
+            built.start(&mut map).map_err(|e| EngineError { section: spec.name.clone(), error: error(e) })?;
+            map.touch();
+            builders.push(seat(built, spec, task(spec.rate, &mut schedule), &ring));
+        }
+        let mut planning = planning(builder)?;
+        planning.task = pipeline.planner.as_ref().and_then(|spec| task(spec.rate, &mut schedule));
+        let control = pipeline.avoider.as_ref().and_then(|spec| spec.rate).unwrap_or(CONTROL);
+        let control = schedule.add(control);
+        let avoider = match &pipeline.avoider {
+            Some(spec) => Some(seat(builder.stage(spec)?, spec, None, &ring)),
+            None => None,
+        };
+        Ok(Engine {
+            guard: Guard::new(pipeline.robot.clone(), &watched(pipeline)),
+            navigator: Navigator::new(&pipeline.mission),
+            orders: Engine::first_orders(pipeline, world.as_ref()),
+            pending: Engine::mission_goals(pipeline),
+            robot: pipeline.robot.clone(),
+            estimate_is_new: false,
+            wish: WishMotion::default(),
+            track: OdometryTrack::new(),
+            out: Observations::default(),
+            command: Command::default(),
+            events: Vec::with_capacity(64),
+            trace: Trace::unwatched(),
+            times: Default::default(),
+            step: 0,
+            n_new: 0,
+            failed: false,
+            wanders: pipeline.mission.waypoints.is_empty(),
+            needed_layers: if pipeline.slam.is_some() { Vec::new() } else { pipeline.wanted_layers() },
+            duration: pipeline.duration_s.map(Span::from_secs),
+            has_mission: !pipeline.mission.waypoints.is_empty(),
+            status: crate::messages::Status::Lost,
+            not_actuated: false,
+            now: Time::ZERO,
+            localization,
+            planning,
+            avoider,
+            builders,
+            odometer,
+            sensors,
+            map,
+            ring,
+            schedule,
+            control,
+            world,
+        })
+    }
+}
+
+fn sensors(builder: &Builder<'_>, schedule: &mut Schedule) -> Result<Vec<SensorSeat>, EngineError> {
+    let mut seats = Vec::new();
+    for (idx, spec) in builder.pipeline.sensors.iter().enumerate() {
+        let id = SensorId(idx as u16);
+        let manifest = spec.stage.manifest();
+        let default = manifest.default_rate_hz.map_or(SENSOR, Rate::Hz);
+        // A virtual sensor without a rate runs whenever its inputs have something new.
+        let rate = spec.stage.rate.or((!manifest.is_virtual).then_some(default));
+        seats.push(SensorSeat {
+            seat: Seat {
+                name: spec.stage.name.clone(),
+                stage: builder.mounted(&spec.stage, id, spec.base_from_sensor)?,
+                cursor: Default::default(),
+                task: task(rate, schedule),
+                failures: 0,
+            },
+            inputs: spec.inputs.iter().map(|idx| SensorId(*idx as u16)).collect(),
+        });
+    }
+    Ok(seats)
+}
+
+fn odometer(
+    builder: &Builder<'_>,
+    schedule: &mut Schedule,
+    ring: &Ring,
+) -> Result<Option<Seat<Box<dyn Localizer>>>, EngineError> {
+    let Some(spec) = &builder.pipeline.odometer else { return Ok(None) };
+    let mut built: Box<dyn Localizer> = builder.stage(spec)?;
+    // The odometer's frame begins where the base stands.
+    let prior = Prior::Pose {
+        map_from_base: Pose2::identity(),
+        odom_from_base: Pose2::identity(),
+        covariance: nalgebra::Matrix3::zeros(),
+    };
+    let started = built.start(&prior, &Map::default()).map_err(|e| BuildError::at("", e.to_string()));
+    started.map_err(|error| EngineError { section: spec.name.clone(), error })?;
+    Ok(Some(seat(built, spec, task(spec.rate, schedule), ring)))
+}
+
+fn localization(
+    builder: &Builder<'_>,
+    schedule: &mut Schedule,
+    ring: &Ring,
+) -> Result<Localization, EngineError> {
+    let pipeline = builder.pipeline;
+    let finder = match (&pipeline.slam, &pipeline.localizer) {
+        (Some(spec), _) => seat(Finder::Slam(builder.stage(spec)?), spec, task(spec.rate, schedule), ring),
+        (None, Some(spec)) => {
+            seat(Finder::Localizer(builder.stage(spec)?), spec, task(spec.rate, schedule), ring)
+        }
+        (None, None) => {
+            let error = BuildError::at("", "nobody finds the robot; name a plugin in [localizer] or [slam]");
+            return Err(EngineError { section: "localizer".into(), error });
+        }
+    };
+    let relocalizer = match &pipeline.relocalizer {
+        Some(spec) => Some(seat(builder.stage(spec)?, spec, task(spec.rate, schedule), ring)),
+        None => None,
+    };
+    Ok(Localization { finder, relocalizer, estimate: Estimate::lost(Time::ZERO) })
+}
+
+fn planning(builder: &Builder<'_>) -> Result<Planning, EngineError> {
+    let seat = |spec: Option<&StageSpec>| -> Result<Option<PlannerSeat>, EngineError> {
+        let planner = builder.optional(spec)?;
+        Ok(spec.map(|spec| PlannerSeat { planner, background: builder.background(spec) }))
+    };
+    let pipeline = builder.pipeline;
+    let (main, fallback) = (seat(pipeline.planner.as_ref())?, seat(pipeline.planner_fallback.as_ref())?);
+    Ok(Planning::new(main, fallback, pipeline.robot.clone()))
+}
+
+fn seat<T>(stage: T, spec: &StageSpec, task: Option<TaskId>, ring: &Ring) -> Seat<T> {
+    Seat { name: spec.name.clone(), stage, cursor: ring.cursor(), task, failures: 0 }
+}
+
+fn task(rate: Option<Rate>, schedule: &mut Schedule) -> Option<TaskId> {
+    rate.map(|rate| schedule.add(rate))
+}
+
+/// Sensors whose age the guard watches: all that see obstacles.
+fn watched(pipeline: &Pipeline) -> Vec<(SensorId, Span)> {
+    let sees = [ObservationKind::LaserScan, ObservationKind::RangeRing];
+    let mut watched = Vec::new();
+    for (idx, spec) in pipeline.sensors.iter().enumerate() {
+        let manifest = spec.stage.manifest();
+        if manifest.produces.iter().any(|kind| sees.contains(kind)) {
+            let rate = spec.stage.rate.or(manifest.default_rate_hz.map(Rate::Hz)).unwrap_or(SENSOR);
+            watched.push((SensorId(idx as u16), rate.period()));
+        }
+    }
+    watched
+}

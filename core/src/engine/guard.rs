@@ -1,0 +1,182 @@
+//! The last step before the world, which no plugin passes.
+//!
+//! Finite numbers only; speeds and accelerations that the robot can do; a stop when data is old, a stage failed, or an
+//! obstacle is inside the stopping distance. Every intervention is an event, said once when it begins.
+
+use super::events::{Event, EventKind, Intervention};
+use super::stop_zone::StopZone;
+use crate::frames::{Pose2, Twist};
+use crate::messages::{Observation, SensorId};
+use crate::robot::Robot;
+use crate::time::{Span, Time};
+use std::sync::Arc;
+
+/// A source whose age the guard watches.
+#[derive(Debug)]
+struct Watched {
+    sensor: SensorId,
+    newest: Option<Time>,
+    limit: Span,
+}
+
+/// Limits every command.
+#[derive(Debug)]
+pub struct Guard {
+    robot: Arc<Robot>,
+    zone: StopZone,
+    watched: Vec<Watched>,
+    started: Option<Time>,
+    last: Twist,
+    last_stamp: Option<Time>,
+    ongoing: [bool; Intervention::ALL.len()],
+}
+
+/// What the guard needs to know beside the command.
+#[derive(Debug, Clone, Copy)]
+pub struct Situation {
+    /// The time it is.
+    pub now: Time,
+    /// The odometer.
+    pub odom_from_base: Pose2,
+    /// A stage failed in this step.
+    pub stage_failed: bool,
+}
+
+impl Guard {
+    /// Rounding of a limit is no intervention.
+    const TOLERANCE: f64 = 1e-6;
+
+    /// A guard for this robot; `watched` lists the sensors that must stay fresh, with the time between two readings.
+    pub fn new(robot: Arc<Robot>, watched: &[(SensorId, Span)]) -> Guard {
+        let stale = Span::from_secs(robot.guard.stale_after_s);
+        let watched = watched.iter().map(|(sensor, period)| Watched {
+            sensor: *sensor,
+            newest: None,
+            limit: stale.max(Span(period.0.saturating_mul(3))),
+        });
+        Guard {
+            zone: StopZone::new(&robot),
+            watched: watched.collect(),
+            robot,
+            started: None,
+            last: Twist::ZERO,
+            last_stamp: None,
+            ongoing: [false; Intervention::ALL.len()],
+        }
+    }
+
+    /// Takes in what a sensor saw; `odom_from_base` is where the base was then.
+    pub fn see(&mut self, observation: &Observation, odom_from_base: &Pose2) {
+        if let Some(watched) =
+            self.watched.iter_mut().find(|w| w.sensor == observation.sensor && observation.valid)
+        {
+            watched.newest = watched.newest.max(Some(observation.stamp));
+        }
+        if observation.valid {
+            self.zone.see(observation, odom_from_base);
+        }
+    }
+
+    /// The command that may go to the wheels.
+    pub fn limit(&mut self, wanted: Twist, situation: &Situation, events: &mut Vec<Event>) -> Twist {
+        let now = situation.now;
+        self.started.get_or_insert(now);
+        let mut found = [false; Intervention::ALL.len()];
+        let mut note = |intervention: Intervention| found[intervention as usize] = true;
+        let mut twist = wanted;
+        if !twist.is_finite() {
+            note(Intervention::NotFinite);
+            twist = Twist::ZERO;
+        }
+        if situation.stage_failed {
+            note(Intervention::StageFailed);
+            twist = Twist::ZERO;
+        }
+        if twist != Twist::ZERO && self.is_stale(now) {
+            note(Intervention::Stale);
+            twist = Twist::ZERO;
+        }
+        let feasible = self.robot.drive.feasible(twist);
+        if differs(feasible, twist) {
+            note(Intervention::Infeasible);
+        }
+        let slow = self.slow_enough(feasible);
+        if differs(slow, feasible) {
+            note(Intervention::TooFast);
+        }
+        let smooth = self.smooth(slow, now);
+        let safe = if self.robot.guard.stop_zone {
+            self.zone.limit(smooth, &self.robot, &situation.odom_from_base)
+        } else {
+            smooth
+        };
+        if differs(safe, smooth) {
+            note(Intervention::StopZone);
+        }
+        (self.last, self.last_stamp) = (safe, Some(now));
+        self.report(now, found, events);
+        safe
+    }
+
+    fn report(&mut self, now: Time, found: [bool; Intervention::ALL.len()], events: &mut Vec<Event>) {
+        for (intervention, begins) in Intervention::ALL.into_iter().zip(found) {
+            let ongoing = &mut self.ongoing[intervention as usize];
+            if begins && !*ongoing {
+                events.push(Event { stamp: now, kind: EventKind::Guard(intervention) });
+            }
+            *ongoing = begins;
+        }
+    }
+
+    fn is_stale(&self, now: Time) -> bool {
+        self.watched.iter().any(|w| now - w.newest.or(self.started).unwrap_or(now) > w.limit)
+    }
+
+    /// The whole twist scaled down, so that the curvature stays.
+    fn slow_enough(&self, twist: Twist) -> Twist {
+        let by_speed = self.robot.max_speed_m_s / twist.speed_m_s().max(1e-12);
+        let by_turn = self.robot.max_turn_rad_s() / twist.turn_rad_s.abs().max(1e-12);
+        let factor = by_speed.min(by_turn);
+        if factor < 1.0 - Self::TOLERANCE { twist.scaled(factor) } else { twist }
+    }
+
+    /// As much of the change as the accelerations allow; braking may use the brakes.
+    fn smooth(&self, wanted: Twist, now: Time) -> Twist {
+        let Some(last_stamp) = self.last_stamp else {
+            // The first command starts from standstill, one control period of acceleration is not known yet.
+            return if wanted == Twist::ZERO { wanted } else { self.part(wanted, 0.05) };
+        };
+        self.part(wanted, (now - last_stamp).as_secs().max(0.0))
+    }
+
+    fn part(&self, wanted: Twist, seconds: f64) -> Twist {
+        let slows = wanted.speed_m_s() < self.last.speed_m_s();
+        let accel = if slows {
+            self.robot.braking_m_s2.max(self.robot.max_accel_m_s2)
+        } else {
+            self.robot.max_accel_m_s2
+        };
+        let change = (wanted.forward_m_s - self.last.forward_m_s).hypot(wanted.left_m_s - self.last.left_m_s);
+        let turn_change = (wanted.turn_rad_s - self.last.turn_rad_s).abs();
+        let by_speed = accel * seconds / change.max(1e-12);
+        let by_turn = self.robot.max_turn_accel_rad_s2() * seconds / turn_change.max(1e-12);
+        let part = by_speed.min(by_turn);
+        if part >= 1.0 {
+            return wanted;
+        }
+        let mix = |from: f64, to: f64| from + (to - from) * part;
+        Twist {
+            forward_m_s: mix(self.last.forward_m_s, wanted.forward_m_s),
+            left_m_s: mix(self.last.left_m_s, wanted.left_m_s),
+            turn_rad_s: mix(self.last.turn_rad_s, wanted.turn_rad_s),
+        }
+    }
+}
+
+fn differs(a: Twist, b: Twist) -> bool {
+    let far = |x: f64, y: f64| (x - y).abs() > Guard::TOLERANCE;
+    far(a.forward_m_s, b.forward_m_s) || far(a.left_m_s, b.left_m_s) || far(a.turn_rad_s, b.turn_rad_s)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,157 @@
+//! The figures of a run, gathered by an observer.
+
+use super::events::EventKind;
+use super::navigator::State;
+use super::observer::{Observer, StepView};
+use super::run::EndReason;
+use super::timing::{Part, StageTimes};
+use crate::frames::{Point2, flatten, wrap_angle};
+use serde::Serialize;
+
+/// The figures of a run. Errors are of the estimate against the truth, and absent where nobody knows the truth.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// All waypoints were reached.
+    pub arrived: bool,
+    /// Why the run ended.
+    pub reason: EndReason,
+    /// More about the end, for people.
+    pub detail: Option<String>,
+    /// Time in the world, seconds.
+    pub time_s: f64,
+    /// Way driven: by the truth where it is known, else by the estimate, meters.
+    pub path_m: f64,
+    /// True end to the last goal, meters.
+    pub goal_error_m: Option<f64>,
+    /// Last estimate to the truth, meters.
+    pub final_error_m: Option<f64>,
+    /// Last estimate to the truth, degrees.
+    pub final_heading_error_deg: Option<f64>,
+    /// Root mean square of estimate to truth, meters.
+    pub rms_error_m: Option<f64>,
+    /// 95 % of the steps are below this, estimate to truth, meters.
+    pub p95_error_m: Option<f64>,
+    /// Hull to obstacle at the least, meters.
+    pub min_clearance_m: Option<f64>,
+    /// How often contact began.
+    pub contacts: Option<u32>,
+    /// New plans after the first of each goal.
+    pub replans: u32,
+    /// How often the guard stepped in, counted in episodes.
+    pub guard_interventions: u32,
+    /// How often a stage failed.
+    pub stage_failures: u32,
+    /// Steps of the engine.
+    pub steps: u64,
+}
+
+/// Gathers a [`Summary`].
+#[derive(Debug, Default)]
+pub struct Metrics {
+    time_s: f64,
+    steps: u64,
+    path_m: f64,
+    last_position: Option<Point2>,
+    errors_m: Vec<f32>,
+    final_heading_error_deg: Option<f64>,
+    goal: Option<Point2>,
+    goal_error_m: Option<f64>,
+    min_clearance_m: Option<f64>,
+    contacts: Option<u32>,
+    replans: u32,
+    guard_interventions: u32,
+    stage_failures: u32,
+    times: StageTimes,
+}
+
+impl Metrics {
+    /// Room for errors of this many steps is taken up front, so that a warm step allocates nothing.
+    const ROOM: usize = 1 << 16;
+
+    /// Nothing seen yet.
+    pub fn new() -> Metrics {
+        Metrics { errors_m: Vec::with_capacity(Self::ROOM), ..Metrics::default() }
+    }
+
+    /// Wall time used by each part of the steps.
+    pub fn times(&self) -> &StageTimes {
+        &self.times
+    }
+
+    /// `cpu_<part>_s` of every part, seconds.
+    pub fn cpu_seconds(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
+        Part::ALL.into_iter().map(|part| (part.name(), self.times.of(part).as_secs_f64()))
+    }
+
+    /// The figures of a run that ended for this reason.
+    pub fn summary(&self, reason: EndReason, detail: Option<String>) -> Summary {
+        let mut sorted = self.errors_m.clone();
+        sorted.sort_unstable_by(f32::total_cmp);
+        let mean_square =
+            sorted.iter().map(|e| f64::from(*e).powi(2)).sum::<f64>() / sorted.len().max(1) as f64;
+        let rank = (0.95 * sorted.len() as f64).ceil() as usize;
+        Summary {
+            arrived: reason == EndReason::Arrived,
+            reason,
+            detail,
+            time_s: self.time_s,
+            path_m: self.path_m,
+            goal_error_m: self.goal_error_m,
+            final_error_m: self.errors_m.last().map(|e| f64::from(*e)),
+            final_heading_error_deg: self.final_heading_error_deg,
+            rms_error_m: (!sorted.is_empty()).then(|| mean_square.sqrt()),
+            p95_error_m: sorted.get(rank.saturating_sub(1)).map(|e| f64::from(*e)),
+            min_clearance_m: self.min_clearance_m,
+            contacts: self.contacts,
+            replans: self.replans,
+            guard_interventions: self.guard_interventions,
+            stage_failures: self.stage_failures,
+            steps: self.steps,
+        }
+    }
+
+    fn follow(&mut self, view: &StepView<'_>) {
+        let position: Point2 = match view.truth {
+            Some(truth) => flatten(&truth.map_from_base).translation.vector.into(),
+            None => view.map_from_base.translation.vector.into(),
+        };
+        self.path_m += self.last_position.map_or(0.0, |last| (position - last).norm());
+        self.last_position = Some(position);
+        self.goal = view.goal.map(|goal| goal.position).or(self.goal);
+    }
+
+    fn judge(&mut self, view: &StepView<'_>) {
+        let Some(truth) = view.truth else { return };
+        let true_pose = flatten(&truth.map_from_base);
+        if !matches!(view.state, State::NoMap | State::Lost | State::Localizing) {
+            let error_m = (view.map_from_base.translation.vector - true_pose.translation.vector).norm();
+            let turn = view.map_from_base.rotation.angle() - true_pose.rotation.angle();
+            self.errors_m.push(error_m as f32);
+            self.final_heading_error_deg = Some(wrap_angle(turn).abs().to_degrees());
+        }
+        if truth.clearance_m.is_finite() {
+            let least = self.min_clearance_m.map_or(truth.clearance_m, |m| m.min(truth.clearance_m));
+            self.min_clearance_m = Some(least);
+        }
+        self.contacts = Some(truth.contact_episodes);
+        self.goal_error_m = self.goal.map(|goal| (goal - Point2::from(true_pose.translation.vector)).norm());
+    }
+}
+
+impl Observer for Metrics {
+    fn on_step(&mut self, view: &StepView<'_>) {
+        self.time_s = view.now.as_secs();
+        self.steps = view.step + 1;
+        self.times = *view.times;
+        self.follow(view);
+        self.judge(view);
+        for event in view.events {
+            match event.kind {
+                EventKind::PlanRequested { replans } if replans > 0 => self.replans += 1,
+                EventKind::Guard(_) => self.guard_interventions += 1,
+                EventKind::StageFailed { .. } => self.stage_failures += 1,
+                _ => {}
+            }
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! The mission's automaton: goals, paths, remembered obstacles, and the one door for commands.
+
+use super::events::{Event, EventKind};
+use super::obstacles::ObstacleMemory;
+use crate::frames::{Point2, Pose2};
+use crate::map::Map;
+use crate::messages::{Goal, Path, Status};
+use crate::pipeline::Mission;
+use crate::time::{Span, Time};
+use nalgebra::Matrix3;
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+use std::fmt;
+
+/// States of the automaton.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum State {
+    /// There is no map yet.
+    NoMap,
+    /// There is a map, but nobody knows where the robot is.
+    Lost,
+    /// Looking for the robot.
+    Localizing,
+    /// Ready for a goal.
+    Waiting,
+    /// On the way.
+    Navigating,
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            State::NoMap => "no_map",
+            State::Lost => "lost",
+            State::Localizing => "localizing",
+            State::Waiting => "waiting",
+            State::Navigating => "navigating",
+        })
+    }
+}
+
+/// What anybody may ask of the robot: the one door for the terminal, the network and other programs.
+#[doc(alias = "action goal")]
+#[derive(Debug, Clone, PartialEq)]
+pub enum Order {
+    /// Go to these places, one after the other.
+    GoTo(Vec<Goal>),
+    /// The robot stands here.
+    SetPose {
+        /// The robot in the map.
+        map_from_base: Pose2,
+        /// Covariance of x, y, yaw.
+        covariance: Matrix3<f64>,
+    },
+    /// Find out where the robot is.
+    Localize,
+    /// This is the map from now on.
+    SetMap(Box<Map>),
+    /// Forget all goals and stop.
+    Cancel,
+    /// End the run.
+    Shutdown,
+}
+
+impl Order {
+    /// The word used in messages and recordings.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Order::GoTo(_) => "go_to",
+            Order::SetPose { .. } => "set_pose",
+            Order::Localize => "localize",
+            Order::SetMap(_) => "set_map",
+            Order::Cancel => "cancel",
+            Order::Shutdown => "shutdown",
+        }
+    }
+
+    /// Whether the automaton obeys in this state (Hernández Alamilla 2005, appendix B, with the transitions that it
+    /// leaves open).
+    pub fn is_allowed(&self, state: State) -> bool {
+        match self {
+            Order::GoTo(goals) => state == State::Waiting && !goals.is_empty(),
+            Order::SetPose { .. } => matches!(state, State::Lost | State::Localizing | State::Waiting),
+            Order::Localize => matches!(state, State::Lost | State::Waiting),
+            Order::SetMap(_) => matches!(state, State::NoMap | State::Lost | State::Waiting),
+            Order::Cancel => matches!(state, State::Navigating | State::Localizing),
+            Order::Shutdown => true,
+        }
+    }
+}
+
+/// How the last order for goals ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// All goals were reached.
+    Arrived,
+    /// A goal cannot be reached.
+    Unreachable(String),
+    /// Many plans, no progress.
+    Stuck(String),
+    /// A goal took too long.
+    TimedOut,
+    /// The planner failed in a way that another try would not mend.
+    PlannerFailed(String),
+}
+
+/// The automaton's memory.
+#[derive(Debug)]
+pub struct Navigator {
+    /// Present state.
+    pub state: State,
+    /// Goals left, the present one first.
+    pub goals: VecDeque<Goal>,
+    /// The path that is followed.
+    pub path: Option<Path>,
+    /// Goes up with every new path.
+    pub path_number: u64,
+    /// What is in the way.
+    pub memory: ObstacleMemory,
+    /// A new path is needed.
+    pub needs_plan: bool,
+    /// New plans for the present goal.
+    pub replans: u32,
+    /// How the last goals ended.
+    pub outcome: Option<Outcome>,
+    /// The run shall end.
+    pub shutdown: bool,
+    mission: Mission,
+    goal_since: Time,
+    anchor: Option<Point2>,
+    plans_at_anchor: u32,
+}
+
+impl Navigator {
+    /// So many plans without progress are enough.
+    const PLANS_WITHOUT_PROGRESS: u32 = 5;
+    /// Less than this is no progress, meters.
+    const PROGRESS_M: f64 = 0.10;
+
+    /// Without map, place and goals.
+    pub fn new(mission: &Mission) -> Navigator {
+        Navigator {
+            state: State::NoMap,
+            goals: VecDeque::new(),
+            path: None,
+            path_number: 0,
+            memory: ObstacleMemory::new(mission),
+            needs_plan: false,
+            replans: 0,
+            outcome: None,
+            shutdown: false,
+            mission: mission.clone(),
+            goal_since: Time::ZERO,
+            anchor: None,
+            plans_at_anchor: 0,
+        }
+    }
+
+    /// The rules of the mission.
+    pub fn mission(&self) -> &Mission {
+        &self.mission
+    }
+
+    /// Where the robot is going.
+    pub fn goal(&self) -> Option<&Goal> {
+        self.goals.front()
+    }
+
+    /// Changes the state and says so.
+    pub fn enter(&mut self, now: Time, to: State, events: &mut Vec<Event>) {
+        if self.state != to {
+            events.push(Event { stamp: now, kind: EventKind::State { from: self.state, to } });
+            self.state = to;
+        }
+    }
+
+    /// Takes goals on.
+    pub fn go(&mut self, now: Time, goals: Vec<Goal>, events: &mut Vec<Event>) {
+        self.goals = goals.into();
+        self.outcome = None;
+        self.enter(now, State::Navigating, events);
+        self.begin_goal(now, events);
+    }
+
+    fn begin_goal(&mut self, now: Time, events: &mut Vec<Event>) {
+        self.goal_since = now;
+        self.path = None;
+        self.needs_plan = true;
+        self.replans = 0;
+        self.anchor = None;
+        self.plans_at_anchor = 0;
+        self.memory.clear();
+        if let Some(goal) = self.goals.front() {
+            events.push(Event { stamp: now, kind: EventKind::GoalAccepted(goal.position) });
+        }
+    }
+
+    /// Drops all goals.
+    pub fn stop(&mut self) -> Vec<Goal> {
+        self.path = None;
+        self.needs_plan = false;
+        self.memory.clear();
+        self.goals.drain(..).collect()
+    }
+
+    /// Looks at time and place: a goal may have taken too long, a waypoint may be near enough to go on.
+    pub fn watch(&mut self, now: Time, position: Point2, events: &mut Vec<Event>) {
+        if self.state != State::Navigating {
+            return;
+        }
+        if self.mission.goal_timeout_s.is_some_and(|limit| now - self.goal_since > Span::from_secs(limit)) {
+            events.push(Event { stamp: now, kind: EventKind::TimedOut });
+            return self.end(now, Outcome::TimedOut, events);
+        }
+        let Some(goal) = self.goals.front() else { return };
+        let near = (goal.position - position).norm() < self.mission.switch_radius_m;
+        if near && self.goals.len() > 1 {
+            self.arrive(now, events);
+        }
+    }
+
+    /// The present goal is reached; on to the next.
+    pub fn arrive(&mut self, now: Time, events: &mut Vec<Event>) {
+        if let Some(goal) = self.goals.pop_front() {
+            events.push(Event { stamp: now, kind: EventKind::Arrived(goal.position) });
+        }
+        if self.goals.is_empty() {
+            return self.end(now, Outcome::Arrived, events);
+        }
+        self.begin_goal(now, events);
+    }
+
+    /// No goals any more, and this is why.
+    pub fn end(&mut self, now: Time, outcome: Outcome, events: &mut Vec<Event>) {
+        if let Outcome::Unreachable(reason) | Outcome::Stuck(reason) | Outcome::PlannerFailed(reason) =
+            &outcome
+        {
+            events.push(Event { stamp: now, kind: EventKind::Unreachable { reason: reason.clone() } });
+        }
+        self.stop();
+        self.outcome = Some(outcome);
+        self.enter(now, State::Waiting, events);
+    }
+
+    /// The avoider cannot go on: the way is closed here.
+    pub fn blocked(&mut self, now: Time, position: Point2, events: &mut Vec<Event>) {
+        self.path = None;
+        self.replans += 1;
+        if self.anchor.is_none_or(|anchor| (anchor - position).norm() >= Self::PROGRESS_M) {
+            self.anchor = Some(position);
+            self.plans_at_anchor = 0;
+        }
+        self.plans_at_anchor += 1;
+        if self.plans_at_anchor > Self::PLANS_WITHOUT_PROGRESS {
+            let n = Self::PLANS_WITHOUT_PROGRESS;
+            let reason = format!("{n} new plans without {:.2} m of progress", Self::PROGRESS_M);
+            return self.end(now, Outcome::Stuck(reason), events);
+        }
+        if self.mission.max_replans.is_some_and(|most| self.replans > most) {
+            let reason = format!("more than the {} new plans that the mission allows", self.replans - 1);
+            return self.end(now, Outcome::Stuck(reason), events);
+        }
+        self.needs_plan = true;
+    }
+
+    /// A path to follow.
+    pub fn follow(&mut self, path: Path) {
+        self.path = Some(path);
+        self.path_number += 1;
+    }
+
+    /// The estimate's status changed what can be done. Returns goals that were given up because the robot is lost.
+    pub fn on_status(&mut self, now: Time, status: Status, events: &mut Vec<Event>) -> Vec<Goal> {
+        match (self.state, status) {
+            (State::Localizing, Status::Tracking) => {
+                events.push(Event { stamp: now, kind: EventKind::Relocalized });
+                self.enter(now, State::Waiting, events);
+                Vec::new()
+            }
+            (State::Navigating | State::Waiting, Status::Lost) => {
+                let goals = self.stop();
+                self.enter(now, State::Lost, events);
+                goals
+            }
+            _ => Vec::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STATES: [State; 5] =
+        [State::NoMap, State::Lost, State::Localizing, State::Waiting, State::Navigating];
+
+    fn goal(x: f64) -> Goal {
+        Goal { position: Point2::new(x, 0.0), yaw_rad: None }
+    }
+
+    #[test]
+    fn every_order_is_allowed_in_exactly_these_states() {
+        let pose = Order::SetPose { map_from_base: Pose2::identity(), covariance: Matrix3::identity() };
+        let allowed = |order: &Order| STATES.map(|s| u8::from(order.is_allowed(s)));
+        assert_eq!(allowed(&Order::GoTo(vec![goal(1.0)])), [0, 0, 0, 1, 0]);
+        assert_eq!(allowed(&Order::GoTo(vec![])), [0; 5]);
+        assert_eq!(allowed(&pose), [0, 1, 1, 1, 0]);
+        assert_eq!(allowed(&Order::Localize), [0, 1, 0, 1, 0]);
+        assert_eq!(allowed(&Order::SetMap(Box::default())), [1, 1, 0, 1, 0]);
+        assert_eq!(allowed(&Order::Cancel), [0, 0, 1, 0, 1]);
+        assert_eq!(allowed(&Order::Shutdown), [1; 5]);
+    }
+
+    #[test]
+    fn waypoints_are_passed_within_the_switch_radius_but_the_last_is_reached() {
+        let mission = Mission { switch_radius_m: 0.5, ..Mission::default() };
+        let (mut navigator, mut events) = (Navigator::new(&mission), Vec::new());
+        navigator.go(Time::ZERO, vec![goal(1.0), goal(5.0)], &mut events);
+        navigator.watch(Time(1), Point2::new(0.6, 0.0), &mut events);
+        assert_eq!(navigator.goal(), Some(&goal(5.0)));
+        navigator.watch(Time(2), Point2::new(4.9, 0.0), &mut events);
+        assert_eq!(navigator.outcome, None);
+        navigator.arrive(Time(3), &mut events);
+        assert_eq!((navigator.outcome, navigator.state), (Some(Outcome::Arrived), State::Waiting));
+    }
+
+    #[test]
+    fn five_plans_on_one_spot_are_enough() {
+        let (mut navigator, mut events) = (Navigator::new(&Mission::default()), Vec::new());
+        navigator.go(Time::ZERO, vec![goal(9.0)], &mut events);
+        for k in 0..5 {
+            navigator.blocked(Time(k), Point2::new(0.01 * k as f64, 0.0), &mut events);
+            assert!(navigator.needs_plan, "plan {k}");
+        }
+        navigator.blocked(Time(9), Point2::origin(), &mut events);
+        assert!(matches!(navigator.outcome, Some(Outcome::Stuck(_))));
+    }
+
+    #[test]
+    fn a_lost_robot_hands_its_goals_back() {
+        let (mut navigator, mut events) = (Navigator::new(&Mission::default()), Vec::new());
+        navigator.go(Time::ZERO, vec![goal(1.0), goal(2.0)], &mut events);
+        assert_eq!(navigator.on_status(Time(1), Status::Lost, &mut events).len(), 2);
+        assert_eq!(navigator.state, State::Lost);
+    }
+}

@@ -1,0 +1,213 @@
+//! Asking planners, beside the step: a plan never delays control.
+
+use super::events::{Event, EventKind};
+use super::navigator::{Navigator, Outcome, State};
+use super::schedule::{Schedule, TaskId};
+use crate::frames::{Point2, Pose2};
+use crate::map::{Grid, Map};
+use crate::messages::{Check, Goal, Path};
+use crate::robot::Robot;
+use crate::stages::{Background, BackgroundJob, PlanError, PlanRequest, Planner};
+use crate::time::Time;
+use crate::trace::{Drawing, Trace};
+use std::sync::Arc;
+
+/// A planner and the way to run it.
+pub(super) struct PlannerSeat {
+    /// The plugin; away while it works.
+    pub planner: Option<Box<dyn Planner>>,
+    /// Where it works.
+    pub background: Background,
+}
+
+struct Planned {
+    planner: Box<dyn Planner>,
+    result: Result<Path, PlanError>,
+    drawings: Vec<Drawing>,
+}
+
+struct Running {
+    job: BackgroundJob<Planned>,
+    goal: Goal,
+    by_fallback: bool,
+}
+
+/// What a plan starts from.
+pub(super) struct Situation<'a> {
+    /// The time it is.
+    pub now: Time,
+    /// The robot.
+    pub map_from_base: Pose2,
+    /// The map.
+    pub map: &'a Map,
+    /// Keep debug drawings.
+    pub watched: bool,
+}
+
+/// All planning of a run.
+pub(super) struct Planning {
+    /// The planner.
+    pub main: Option<PlannerSeat>,
+    /// Asked when the first has no answer.
+    pub fallback: Option<PlannerSeat>,
+    /// When to plan anew without being blocked.
+    pub task: Option<TaskId>,
+    /// The robot.
+    pub robot: Arc<Robot>,
+    /// The grid of the last request: the map's with all obstacles.
+    pub grid: Option<Grid>,
+    /// Debug drawings of the last plan.
+    pub drawings: Vec<Drawing>,
+    running: Option<Running>,
+}
+
+impl Planning {
+    /// Nothing asked yet.
+    pub fn new(main: Option<PlannerSeat>, fallback: Option<PlannerSeat>, robot: Arc<Robot>) -> Planning {
+        Planning { main, fallback, task: None, robot, grid: None, drawings: Vec::new(), running: None }
+    }
+
+    /// When an answer will come that is known to come.
+    pub fn due(&self) -> Option<Time> {
+        self.running.as_ref().and_then(|running| running.job.due())
+    }
+
+    /// Tells a planner at work to stop.
+    pub fn give_up(&self) {
+        if let Some(running) = &self.running {
+            running.job.give_up();
+        }
+    }
+
+    /// Asks where a path is needed, and takes what has come.
+    pub fn update(
+        &mut self,
+        nav: &mut Navigator,
+        schedule: &mut Schedule,
+        at: &Situation<'_>,
+        events: &mut Vec<Event>,
+    ) {
+        let periodic = self.task.is_some_and(|task| schedule.take(task, at.now));
+        if nav.state != State::Navigating {
+            self.give_up();
+        } else if (nav.needs_plan || (periodic && nav.path.is_some())) && self.running.is_none() {
+            let replans = if nav.needs_plan { nav.replans } else { 0 };
+            events.push(Event { stamp: at.now, kind: EventKind::PlanRequested { replans } });
+            nav.needs_plan = false;
+            self.ask(false, nav, at, events);
+        }
+        self.receive(nav, at, events);
+    }
+
+    fn ask(&mut self, by_fallback: bool, nav: &mut Navigator, at: &Situation<'_>, events: &mut Vec<Event>) {
+        let Some(goal) = nav.goal().copied() else { return };
+        self.grid = with_obstacles(at.map, nav);
+        let seat = if by_fallback { &mut self.fallback } else { &mut self.main };
+        let Some(seat) = seat else { return self.straight(nav, at, events) };
+        let Some(mut planner) = seat.planner.take() else { return };
+        let mut request = PlanRequest {
+            stamp: at.now,
+            map: at.map.clone(),
+            grid: self.grid.clone(),
+            start: at.map_from_base,
+            goal,
+            robot: self.robot.clone(),
+            obstacles: nav.memory.obstacles().to_vec(),
+            give_up: Default::default(),
+            trace: if at.watched { Trace::watched() } else { Trace::unwatched() },
+        };
+        let job = seat.background.run(at.now, move |give_up| {
+            request.give_up = give_up.clone();
+            let result = planner.plan(&request);
+            Planned { planner, result, drawings: request.trace.take().0 }
+        });
+        self.running = Some(Running { job, goal, by_fallback });
+    }
+
+    /// No planner: the path is the list of waypoints.
+    fn straight(&mut self, nav: &mut Navigator, at: &Situation<'_>, events: &mut Vec<Event>) {
+        let start = Point2::from(at.map_from_base.translation.vector);
+        let positions: Vec<Point2> = std::iter::once(start).chain(nav.goal().map(|g| g.position)).collect();
+        if let Some(path) = Path::through(positions, 0.0) {
+            self.accept(path, nav, at.now, events);
+        }
+    }
+
+    fn receive(&mut self, nav: &mut Navigator, at: &Situation<'_>, events: &mut Vec<Event>) {
+        let Some(running) = &mut self.running else { return };
+        let polled = running.job.poll(at.now);
+        let planned = match polled {
+            Ok(None) => return,
+            Ok(Some(planned)) => planned,
+            Err(panicked) => {
+                self.running = None;
+                return nav.end(at.now, Outcome::PlannerFailed(panicked.to_string()), events);
+            }
+        };
+        let (goal, by_fallback) = (running.goal, running.by_fallback);
+        self.running = None;
+        self.drawings = planned.drawings;
+        let seat = if by_fallback { &mut self.fallback } else { &mut self.main };
+        if let Some(seat) = seat {
+            seat.planner = Some(planned.planner);
+        }
+        if nav.state != State::Navigating || nav.goal() != Some(&goal) {
+            // An answer to a question that nobody asks any more; the present one is asked in the next step.
+            nav.needs_plan = nav.state == State::Navigating;
+            return;
+        }
+        match planned.result {
+            Ok(path) => self.accept(path, nav, at.now, events),
+            Err(PlanError::GivenUp) => nav.needs_plan = true,
+            Err(error) => self.refuse(error, by_fallback, nav, at, events),
+        }
+    }
+
+    fn accept(&mut self, path: Path, nav: &mut Navigator, now: Time, events: &mut Vec<Event>) {
+        if let Err(fault) = path.check() {
+            return nav.end(now, Outcome::PlannerFailed(fault.to_string()), events);
+        }
+        events.push(Event { stamp: now, kind: EventKind::PlanFound { length_m: path.length_m() } });
+        nav.follow(path);
+    }
+
+    fn refuse(
+        &mut self,
+        error: PlanError,
+        by_fallback: bool,
+        nav: &mut Navigator,
+        at: &Situation<'_>,
+        events: &mut Vec<Event>,
+    ) {
+        let reason = error.to_string();
+        events.push(Event { stamp: at.now, kind: EventKind::PlanFailed { reason: reason.clone() } });
+        if !by_fallback && self.fallback.is_some() {
+            events.push(Event { stamp: at.now, kind: EventKind::FallbackAsked { reason } });
+            self.ask(true, nav, at, events);
+            return self.receive(nav, at, events);
+        }
+        let n_obstacles = nav.memory.forget_old(at.now);
+        if n_obstacles > 0 {
+            let reason = "no way was left, and nothing had seen them for long";
+            events.push(Event { stamp: at.now, kind: EventKind::Forgot { n_obstacles, reason } });
+            nav.needs_plan = true;
+            return;
+        }
+        let outcome = match error {
+            PlanError::MissingLayer { .. } | PlanError::NotFinite { .. } | PlanError::Other(_) => {
+                Outcome::PlannerFailed(reason)
+            }
+            _ => Outcome::Unreachable(reason),
+        };
+        nav.end(at.now, outcome, events);
+    }
+}
+
+/// The map's grid with everything that the navigator remembers.
+fn with_obstacles(map: &Map, nav: &Navigator) -> Option<Grid> {
+    let mut grid = map.grid.clone()?;
+    for obstacle in nav.memory.obstacles() {
+        grid.occupy_disc(obstacle.position, obstacle.radius_m);
+    }
+    Some(grid)
+}

@@ -1,0 +1,266 @@
+//! From the first step to the last: orders, ends, shutdown.
+
+use super::events::{Event, EventKind};
+use super::navigator::{Order, Outcome, State};
+use super::observer::Observer;
+use super::step::{Engine, Stepped};
+use crate::frames::{Point2, Twist, pose2};
+use crate::map::Map;
+use crate::messages::{Check, Command, Goal, Prior};
+use crate::pipeline::{InitialPose, Pipeline, WellKnownPose};
+use crate::stages::World;
+use crate::time::Span;
+use nalgebra::{Matrix3, Vector3};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Why a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum EndReason {
+    /// All waypoints were reached.
+    Arrived,
+    /// A waypoint cannot be reached.
+    Unreachable,
+    /// Many plans, no progress.
+    Stuck,
+    /// A waypoint took longer than `goal_timeout_s`.
+    Timeout,
+    /// The planner failed.
+    PlannerFailed,
+    /// A stage failed again and again.
+    StageFailed,
+    /// The recording is over.
+    Ended,
+    /// `duration_s` is over.
+    Finished,
+    /// The mission took longer than `time_limit_s`.
+    TimeLimit,
+    /// Somebody asked to stop.
+    Interrupted,
+    /// The world failed.
+    WorldFailed,
+}
+
+impl fmt::Display for EndReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            EndReason::Arrived => "arrived",
+            EndReason::Unreachable => "unreachable",
+            EndReason::Stuck => "stuck",
+            EndReason::Timeout => "timeout",
+            EndReason::PlannerFailed => "planner_failed",
+            EndReason::StageFailed => "stage_failed",
+            EndReason::Ended => "ended",
+            EndReason::Finished => "finished",
+            EndReason::TimeLimit => "time_limit",
+            EndReason::Interrupted => "interrupted",
+            EndReason::WorldFailed => "world_failed",
+        })
+    }
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RunEnd {
+    /// Why.
+    pub reason: EndReason,
+    /// More, for people.
+    pub detail: Option<String>,
+}
+
+impl RunEnd {
+    fn new(reason: EndReason, detail: Option<String>) -> RunEnd {
+        RunEnd { reason, detail }
+    }
+}
+
+impl Engine {
+    /// End of a run that has neither mission nor duration, seconds.
+    const DEFAULT_DURATION_S: f64 = 60.0;
+
+    /// The orders that a pipeline gives by itself at the start.
+    pub(super) fn first_orders(pipeline: &Pipeline, world: &dyn World) -> Vec<Order> {
+        let mission = &pipeline.mission;
+        let deviation = Vector3::new(
+            mission.initial_deviation_m,
+            mission.initial_deviation_m,
+            mission.initial_deviation_deg.to_radians(),
+        );
+        let covariance = Matrix3::from_diagonal(&deviation.component_mul(&deviation));
+        let start = match mission.initial_pose {
+            InitialPose::Pose { x_m, y_m, yaw_deg } => Some(pose2(x_m, y_m, yaw_deg.to_radians())),
+            InitialPose::WellKnown(WellKnownPose::World) => world.start(),
+            InitialPose::WellKnown(WellKnownPose::Unknown) => None,
+        };
+        vec![start.map_or(Order::Localize, |map_from_base| Order::SetPose { map_from_base, covariance })]
+    }
+
+    /// The waypoints as goals.
+    pub(super) fn mission_goals(pipeline: &Pipeline) -> Vec<Goal> {
+        let goal = |w: &crate::pipeline::Waypoint| Goal {
+            position: Point2::new(w.x_m, w.y_m),
+            yaw_rad: w.yaw_deg.map(f64::to_radians),
+        };
+        pipeline.mission.waypoints.iter().map(goal).collect()
+    }
+
+    /// Takes an order; it is obeyed, or refused with an event, in the next step.
+    pub fn command(&mut self, order: Order) {
+        self.orders.push(order);
+    }
+
+    /// Obeys what was ordered, and what the mission itself wants next.
+    pub(super) fn obey(&mut self) {
+        if self.navigator.state == State::NoMap && self.needed_layers.iter().all(|layer| self.map.has(*layer))
+        {
+            self.navigator.enter(self.now, State::Lost, &mut self.events);
+        }
+        if !self.orders.is_empty() {
+            let orders = std::mem::take(&mut self.orders);
+            orders.into_iter().for_each(|order| self.obey_one(order));
+        }
+        if self.pending.is_empty() {
+            return;
+        }
+        match self.navigator.state {
+            State::Waiting => {
+                let goals = std::mem::take(&mut self.pending);
+                self.obey_one(Order::GoTo(goals));
+            }
+            State::Lost => self.obey_one(Order::Localize),
+            _ => {}
+        }
+    }
+
+    fn obey_one(&mut self, order: Order) {
+        let state = self.navigator.state;
+        let finite = match &order {
+            Order::GoTo(goals) => goals.iter().all(|goal| goal.check().is_ok()),
+            _ => true,
+        };
+        if !order.is_allowed(state) || !finite {
+            let kind = EventKind::Refused { command: order.name(), state };
+            return self.events.push(Event { stamp: self.now, kind });
+        }
+        match order {
+            Order::GoTo(goals) => self.navigator.go(self.now, goals, &mut self.events),
+            Order::SetPose { map_from_base, covariance } => {
+                let prior = Prior::Pose { map_from_base, odom_from_base: self.track.now(), covariance };
+                let (map, ring) = (&mut self.map, &self.ring);
+                let started = self.localization.start(&prior, map, ring, self.now, &mut self.events);
+                self.settle_search(started, State::Waiting);
+                if started {
+                    let odom = self.track.now();
+                    self.localization.estimate =
+                        crate::messages::Estimate::planar(self.now, map_from_base, odom, covariance);
+                }
+            }
+            Order::Localize => {
+                let (map, ring) = (&mut self.map, &self.ring);
+                let started = self.localization.search(map, ring, self.now, &mut self.events);
+                self.settle_search(started, State::Localizing);
+            }
+            Order::SetMap(map) => self.set_map(*map),
+            Order::Cancel => {
+                self.navigator.stop();
+                self.wish.clear();
+                let to = if state == State::Localizing { State::Lost } else { State::Waiting };
+                self.navigator.enter(self.now, to, &mut self.events);
+            }
+            Order::Shutdown => self.navigator.shutdown = true,
+        }
+    }
+
+    fn settle_search(&mut self, started: bool, to: State) {
+        self.failed |= !started;
+        self.wish.clear();
+        let to = if started { to } else { State::Lost };
+        self.navigator.enter(self.now, to, &mut self.events);
+    }
+
+    fn set_map(&mut self, map: Map) {
+        let version = self.map.version;
+        self.map = map;
+        self.map.version = version + 1;
+        self.navigator.enter(self.now, State::Lost, &mut self.events);
+    }
+
+    /// Steps until the run ends, and shuts down. `interrupt` may be raised from outside at any time.
+    pub fn run(&mut self, observers: &mut [&mut dyn Observer], interrupt: &AtomicBool) -> RunEnd {
+        let end = loop {
+            match self.step() {
+                Stepped::Went => {}
+                Stepped::Ended => break RunEnd::new(EndReason::Ended, None),
+                Stepped::Failed(error) => break RunEnd::new(EndReason::WorldFailed, Some(error.to_string())),
+            }
+            let view = self.view();
+            observers.iter_mut().for_each(|observer| observer.on_step(&view));
+            if interrupt.load(Ordering::Relaxed) || self.navigator.shutdown {
+                break RunEnd::new(EndReason::Interrupted, None);
+            }
+            if let Some(end) = self.end() {
+                break end;
+            }
+        };
+        self.shut_down();
+        end
+    }
+
+    /// The run is over, and this is why.
+    fn end(&mut self) -> Option<RunEnd> {
+        if let Some(stage) = self.broken_stage() {
+            return Some(RunEnd::new(
+                EndReason::StageFailed,
+                Some(format!("`{stage}` failed again and again")),
+            ));
+        }
+        let since_start = Span(self.now.0);
+        if self.has_mission {
+            let limit = Span::from_secs(self.navigator.mission().time_limit_s);
+            let over = || RunEnd::new(EndReason::TimeLimit, Some(format!("after {} s", limit.as_secs())));
+            let outcome = self.navigator.outcome.take();
+            return outcome.map(end_of).or_else(|| (since_start >= limit).then(over));
+        }
+        let limit = self.duration.or_else(|| {
+            // A recording ends by itself.
+            self.world.next_recorded().is_none().then(|| Span::from_secs(Self::DEFAULT_DURATION_S))
+        })?;
+        (since_start >= limit).then(|| RunEnd::new(EndReason::Finished, None))
+    }
+
+    fn broken_stage(&self) -> Option<String> {
+        let sensors = self.sensors.iter().find(|s| s.seat.is_broken()).map(|s| s.seat.name.as_str());
+        let builders = self.builders.iter().find(|seat| seat.is_broken()).map(|seat| seat.name.as_str());
+        let odometer = self.odometer.as_ref().filter(|seat| seat.is_broken()).map(|seat| seat.name.as_str());
+        let avoider = self.avoider.as_ref().filter(|seat| seat.is_broken()).map(|seat| seat.name.as_str());
+        sensors.or(builders).or(odometer).or(self.localization.broken()).or(avoider).map(str::to_owned)
+    }
+
+    /// Stops the wheels and tells slow work to end; stages, sensors and world go in this order when the engine is
+    /// dropped.
+    pub fn shut_down(&mut self) {
+        let stop = Command { stamp: self.now, twist: Twist::ZERO };
+        // The run is over: a world that does not take its last command has stopped already.
+        let _ = self.world.drive(&stop);
+        self.planning.give_up();
+    }
+}
+
+impl Drop for Engine {
+    fn drop(&mut self) {
+        self.shut_down();
+    }
+}
+
+fn end_of(outcome: Outcome) -> RunEnd {
+    match outcome {
+        Outcome::Arrived => RunEnd::new(EndReason::Arrived, None),
+        Outcome::Unreachable(reason) => RunEnd::new(EndReason::Unreachable, Some(reason)),
+        Outcome::Stuck(reason) => RunEnd::new(EndReason::Stuck, Some(reason)),
+        Outcome::TimedOut => RunEnd::new(EndReason::Timeout, None),
+        Outcome::PlannerFailed(reason) => RunEnd::new(EndReason::PlannerFailed, Some(reason)),
+    }
+}

@@ -1,0 +1,158 @@
+//! The stop zone: how far the hull may still go along the commanded motion.
+//!
+//! Measured from the hull, as long as `v²/(2·braking) + v·latency + margin`; it blocks only motion that closes the
+//! distance, so that turning in place and retreating stay allowed where the swept hull is free.
+
+use crate::frames::{Point2, Pose2, Twist, flatten};
+use crate::messages::{Data, Observation, SensorId};
+use crate::robot::{Hull, Robot};
+
+/// What one sensor last saw nearby.
+#[derive(Debug)]
+struct Near {
+    sensor: SensorId,
+    odom_points: Vec<Point2>,
+}
+
+/// Everything near, and the hull that must stay clear of it.
+#[derive(Debug)]
+pub struct StopZone {
+    hull: Hull,
+    reach_m: f64,
+    near: Vec<Near>,
+    base_points: Vec<Point2>,
+}
+
+impl StopZone {
+    /// Poses along the motion are tested this densely, meters (or radians times the hull's radius).
+    const STEP_M: f64 = 0.02;
+    /// A point that comes nearer by less than this does not count as closing, meters.
+    const CLOSING_M: f64 = 1e-4;
+    /// Room for points of one sensor.
+    const ROOM: usize = 2048;
+
+    /// Nothing seen yet.
+    pub fn new(robot: &Robot) -> StopZone {
+        let hull = robot.hull();
+        // A second of the fastest motion beyond the longest stop covers the age of a reading.
+        let reach_m = hull.outer_radius_m()
+            + stopping_m(robot.max_speed_m_s, robot)
+            + robot.guard.margin_m
+            + robot.max_speed_m_s
+            + Self::STEP_M;
+        StopZone { hull, reach_m, near: Vec::with_capacity(64), base_points: Vec::with_capacity(Self::ROOM) }
+    }
+
+    /// Takes in a reading of a range sensor or bumper; `odom_from_base` is where the base was then.
+    pub fn see(&mut self, observation: &Observation, odom_from_base: &Pose2) {
+        let reach_m = self.reach_m;
+        let base_from_sensor = flatten(&observation.base_from_sensor);
+        if !matches!(observation.data, Data::LaserScan(_) | Data::RangeRing(_) | Data::Bumpers(_)) {
+            return;
+        }
+        let odom_points = self.points_of(observation.sensor);
+        odom_points.clear();
+        let mut keep = |in_sensor: Point2| {
+            let in_base = base_from_sensor * in_sensor;
+            if in_base.coords.norm() <= reach_m && odom_points.len() < Self::ROOM {
+                odom_points.push(odom_from_base * in_base);
+            }
+        };
+        let polar =
+            |bearing: f64, range_m: f64| Point2::new(range_m * bearing.cos(), range_m * bearing.sin());
+        let limit_m = reach_m + base_from_sensor.translation.vector.norm();
+        match &observation.data {
+            Data::LaserScan(scan) => {
+                scan.hits()
+                    .filter(|(_, range)| *range <= limit_m)
+                    .for_each(|(b, range)| keep(polar(b, range)));
+            }
+            Data::RangeRing(ring) => {
+                for (idx, range) in ring.ranges_m.iter().enumerate() {
+                    if *range >= ring.min_range_m && *range <= ring.max_range_m {
+                        let bearing = ring.first_bearing_rad + ring.bearing_step_rad * idx as f64;
+                        keep(polar(bearing, ring.ring_radius_m + f64::from(*range)));
+                    }
+                }
+            }
+            Data::Bumpers(bumpers) => {
+                bumpers.touching().for_each(|bearing| keep(polar(bearing, bumpers.ring_radius_m)));
+            }
+            _ => {}
+        }
+    }
+
+    fn points_of(&mut self, sensor: SensorId) -> &mut Vec<Point2> {
+        let at = self.near.iter().position(|near| near.sensor == sensor).unwrap_or_else(|| {
+            self.near.push(Near { sensor, odom_points: Vec::with_capacity(Self::ROOM) });
+            self.near.len() - 1
+        });
+        &mut self.near[at].odom_points
+    }
+
+    /// The twist, scaled down until the robot can stop in front of everything that it sees.
+    pub fn limit(&mut self, twist: Twist, robot: &Robot, odom_from_base: &Pose2) -> Twist {
+        if twist == Twist::ZERO {
+            return twist;
+        }
+        let base_from_odom = odom_from_base.inverse();
+        self.base_points.clear();
+        for point in self.near.iter().flat_map(|near| &near.odom_points) {
+            if self.base_points.len() < self.base_points.capacity() {
+                self.base_points.push(base_from_odom * point);
+            }
+        }
+        // Speed of the fastest point of the hull: what brakes have to stop.
+        let hull_m_s = twist.speed_m_s() + twist.turn_rad_s.abs() * self.swing_m(twist);
+        let needed_m = stopping_m(hull_m_s, robot);
+        let free_m = self.free_m(twist, hull_m_s, needed_m, robot.guard.margin_m);
+        if free_m >= needed_m {
+            return twist;
+        }
+        let factor = allowed_m_s(free_m, robot) / hull_m_s;
+        // Creeping at a fraction of a millimeter per second is standing.
+        if factor * hull_m_s < 1e-3 { Twist::ZERO } else { twist.scaled(factor) }
+    }
+
+    /// Lever of the turn: a disc that turns in place sweeps nothing.
+    fn swing_m(&self, twist: Twist) -> f64 {
+        match self.hull {
+            Hull::Disc { .. } if twist.speed_m_s() < 1e-9 => 0.0,
+            _ => self.hull.outer_radius_m(),
+        }
+    }
+
+    /// How far the fastest point of the hull can move before the margin around the hull meets a point.
+    fn free_m(&self, twist: Twist, hull_m_s: f64, needed_m: f64, margin_m: f64) -> f64 {
+        if hull_m_s < 1e-12 {
+            return f64::INFINITY;
+        }
+        let n_steps = (needed_m / Self::STEP_M).ceil().max(1.0) as usize;
+        let mut free_m = needed_m;
+        for step in 1..=n_steps {
+            let travel_m = needed_m * step as f64 / n_steps as f64;
+            let then_from_base = twist.integrate(travel_m / hull_m_s).inverse();
+            let hits = self.base_points.iter().any(|point| {
+                let now_m = self.hull.distance_m(*point);
+                let then_m = self.hull.distance_m(then_from_base * point);
+                then_m < margin_m && then_m < now_m - Self::CLOSING_M
+            });
+            if hits {
+                free_m = needed_m * (step - 1) as f64 / n_steps as f64;
+                return free_m;
+            }
+        }
+        free_m.max(needed_m)
+    }
+}
+
+/// Way from the reading to standstill, meters.
+fn stopping_m(speed_m_s: f64, robot: &Robot) -> f64 {
+    speed_m_s.powi(2) / (2.0 * robot.braking_m_s2) + speed_m_s * robot.guard.latency_s
+}
+
+/// The fastest speed that stops within `free_m`: the inverse of [`stopping_m`].
+fn allowed_m_s(free_m: f64, robot: &Robot) -> f64 {
+    let (b, latency_s) = (robot.braking_m_s2, robot.guard.latency_s);
+    b * ((latency_s.powi(2) + 2.0 * free_m / b).sqrt() - latency_s)
+}
