@@ -1,1 +1,4 @@
 //! Worlds of Rumbo: the 2.5-D simulator.
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod sim;
