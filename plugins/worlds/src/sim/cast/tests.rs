@@ -17,9 +17,11 @@ fn slow_cast(lattice: &Lattice, ray: &Ray, is_wall: impl Fn(usize, usize) -> boo
     solids.chain(walls).min_by(f64::total_cmp)
 }
 
+/// Nothing reaches out of a lattice of `size` by `size` cells.
 fn random_solid(rng: &mut Xoshiro256PlusPlus, size: f64) -> Solid {
-    let point =
-        |rng: &mut Xoshiro256PlusPlus| Point::new(rng.random_range(0.0..size), rng.random_range(0.0..size));
+    let point = |rng: &mut Xoshiro256PlusPlus| {
+        Point::new(rng.random_range(4.0..size - 4.0), rng.random_range(4.0..size - 4.0))
+    };
     let footprint = match rng.random_range(0..3) {
         0 => Footprint::Segment { from: point(rng), to: point(rng) },
         1 => Footprint::Disc { center: point(rng), radius: rng.random_range(0.1..3.0) },
