@@ -1,4 +1,7 @@
 //! The simulated world: walls and objects with heights, glass, people, slip.
+//!
+//! [`SimParams`] is the world as a pipeline names it; `simulation` carries it through time; `place`, `lattice` and
+//! `cast` are the surroundings and the rays in them; `base_drive`, `slip` and `body` are the robot.
 
 mod base_drive;
 mod beams;
@@ -6,8 +9,15 @@ mod body;
 mod cast;
 mod clearance;
 mod lattice;
+mod params;
 mod person;
 mod place;
+mod plugin;
+mod simulation;
 mod slip;
 mod solid;
 mod sound;
+
+pub use params::{SimParams, Start};
+pub use plugin::SimWorld;
+pub use slip::{GaussianSlip, Slip, SlipDraw};

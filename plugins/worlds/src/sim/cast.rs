@@ -48,10 +48,10 @@ impl Lattice {
             let way_x = if along.x == 0.0 { f64::INFINITY } else { (border_x - from.x) * inverse_x };
             let way_y = if along.y == 0.0 { f64::INFINITY } else { (border_y - from.y) * inverse_y };
             let leave = way_x.min(way_y);
-            if kind == LISTED || (SLOPED && kind == WALL) {
-                if let Some(hit) = self.hit_in_cell(ray, cell, kind, way, leave) {
-                    return (hit.way <= reach).then_some(hit);
-                }
+            if (kind == LISTED || (SLOPED && kind == WALL))
+                && let Some(hit) = self.hit_in_cell(ray, cell, kind, way, leave)
+            {
+                return (hit.way <= reach).then_some(hit);
             }
             way = leave.max(way);
             if way_x < way_y {

@@ -141,11 +141,6 @@ impl Place {
         (self.lattice_from_map * point) / self.resolution_m
     }
 
-    /// A point of the lattice, in cells, in the map.
-    pub fn map_from_cells(&self, point: Point) -> Point {
-        self.lattice_from_map.inverse() * (point * self.resolution_m)
-    }
-
     /// Moves people and doors to where they are at a time.
     pub fn set_time(&mut self, time_s: f64) {
         let mut movers = std::mem::take(&mut self.movers);

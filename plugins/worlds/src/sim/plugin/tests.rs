@@ -1,0 +1,157 @@
+use rumbo_core::frames::Twist;
+use rumbo_core::registry::{Built, Registry, Stage};
+
+use super::*;
+
+const WALLS: &str = r#"
+[[wall]]
+from = [5, -5]
+to = [5, 5]
+[[mark]]
+id = 4
+at = [4.99, 1.0]
+[[mark]]
+id = 5
+at = [6, 0]
+"#;
+
+fn params(name: &str, text: &str) -> SimParams {
+    let path = std::env::temp_dir().join(format!("rumbo-sim-{name}-{}.toml", std::process::id()));
+    std::fs::write(&path, text).unwrap();
+    SimParams { map: Some(path), ..SimParams::default() }
+}
+
+fn world(name: &str) -> Box<dyn World> {
+    params(name, WALLS).build(&BuildContext::bare("world")).unwrap()
+}
+
+fn command(forward_m_s: f64, turn_rad_s: f64) -> Command {
+    Command { twist: Twist::new(forward_m_s, turn_rad_s), ..Command::default() }
+}
+
+#[test]
+fn the_registry_builds_the_simulator() {
+    let registry = Registry::linked().unwrap();
+    let entry = registry.get(Stage::World, "sim").unwrap();
+    let configured = entry.source.parse(toml::from_str("start = { x_m = 1.0 }").unwrap()).unwrap();
+    let built = configured.build(&BuildContext::bare("world")).unwrap();
+    let Built::World(world) = built else { panic!("not a world") };
+    assert_eq!(world.start().unwrap().translation.x, 1.0);
+    assert!(entry.source.parse(toml::from_str("strat = { x_m = 1.0 }").unwrap()).is_err());
+    assert!(
+        entry.source.parse(toml::from_str("slip = { model = 'gaussian', speed = 0.1 }").unwrap()).is_ok()
+    );
+}
+
+#[test]
+fn time_runs_forwards_only_and_drives_the_robot() {
+    let mut world = world("time");
+    assert_eq!(world.drive(&command(0.5, 0.0)), Ok(Drove::Drove));
+    assert_eq!(world.advance(Time::from_secs(3.0)), Ok(Advance::Reached(Time::from_secs(3.0))));
+    assert_eq!(world.now(), Time::from_secs(3.0));
+    // 1 s of speeding up at 0.5 m/s², then 2 s at 0.5 m/s.
+    let truth = world.truth().unwrap();
+    assert!((truth.map_from_base.translation.x - 1.25).abs() < 1e-9);
+    assert!((truth.clearance_m - (5.0 - 1.25 - 0.2)).abs() < 1e-9);
+    let back = world.advance(Time::from_secs(2.0));
+    assert!(matches!(back, Err(WorldError::Backwards { .. })));
+    let Ok(Answer::Wheels(wheels)) = world.probe(&Probe::Wheels) else { panic!("no wheels") };
+    assert!((wheels.rolled_m[0] - 1.25).abs() < 1e-9 && (wheels.rolled_m[1] - 1.25).abs() < 1e-9);
+}
+
+#[test]
+fn what_is_not_finite_is_refused() {
+    let mut world = world("finite");
+    for twist in [Twist::new(f64::NAN, 0.0), Twist::new(0.0, f64::INFINITY)] {
+        assert_eq!(world.drive(&Command { twist, ..Command::default() }), Err(WorldError::NotFinite));
+    }
+    let mount = Pose3::identity();
+    let beams = |bearing_step_rad, n_beams, max_range_m| Probe::Beams {
+        base_from_sensor: &mount,
+        first_bearing_rad: 0.0,
+        bearing_step_rad,
+        n_beams,
+        max_range_m,
+    };
+    assert!(world.probe(&beams(0.1, 3, 8.0)).is_ok());
+    for bad in
+        [beams(f64::NAN, 3, 8.0), beams(0.1, usize::MAX, 8.0), beams(0.1, 3, f64::NAN), beams(0.1, 3, -1.0)]
+    {
+        assert!(matches!(world.probe(&bad), Err(WorldError::Other(_))), "{bad:?}");
+    }
+}
+
+#[test]
+fn every_probe_of_a_simulation_is_answered() {
+    let mut world = world("probes");
+    let mount = rumbo_core::frames::lift(&pose2(0.1, 0.0, 0.0)) * nalgebra::Translation3::new(0.0, 0.0, 0.3);
+    let Ok(Answer::Marks(marks)) =
+        world.probe(&Probe::Marks { base_from_sensor: &mount, field_of_view_rad: 2.0, max_range_m: 9.0 })
+    else {
+        panic!("no marks")
+    };
+    assert_eq!(marks.marks.len(), 1, "mark 5 is behind the wall");
+    let mark = marks.marks[0];
+    assert_eq!(mark.identity, Some(4));
+    assert!((mark.range_m - 4.89f64.hypot(1.0)).abs() < 1e-9);
+    assert!((mark.bearing_rad - (1.0f64 / 4.89).atan()).abs() < 1e-9);
+    assert_eq!(world.probe(&Probe::Position).unwrap(), Answer::Position([0.0; 3]));
+    assert_eq!(world.probe(&Probe::Contacts).unwrap(), Answer::Contacts(&[]));
+    let camera = Intrinsics { width: 4, height: 3, focal_px: [3.0, 3.0], center_px: [1.5, 1.0] };
+    let depth = Probe::Depth { base_from_sensor: &mount, intrinsics: &camera, max_range_m: 9.0 };
+    assert!(matches!(world.probe(&depth), Ok(Answer::Ranges(ranges)) if ranges.len() == 12));
+    let channel = Probe::Channel { name: "scan" };
+    assert!(matches!(world.probe(&channel), Err(WorldError::Unsupported { .. })));
+    world.drive(&command(0.4, 0.5)).unwrap();
+    world.advance(Time::from_secs(5.0)).unwrap();
+    let Ok(Answer::Attitude(attitude)) = world.probe(&Probe::Attitude) else { panic!("no attitude") };
+    assert_eq!(attitude.rates_rad_s, [0.0, 0.0, 0.5]);
+    assert!((attitude.accelerations_m_s2[1] - 0.2).abs() < 1e-9, "{attitude:?}");
+}
+
+#[test]
+fn slip_parts_the_wheels_from_the_truth_and_the_seed_decides_how() {
+    let run = |seed: u64, n_pieces: i64| {
+        let mut params = params("slip", WALLS);
+        params.slip = toml::from_str("model = 'gaussian'\nspeed = 0.1\nturn = 0.1\ndrift_deg_m = 5.0").ok();
+        let mut world = params.build(&BuildContext { seed, ..BuildContext::bare("world") }).unwrap();
+        world.drive(&command(0.5, 0.1)).unwrap();
+        for piece in 1..=n_pieces {
+            world.advance(Time(piece * 4_000_000_000 / n_pieces)).unwrap();
+        }
+        let Ok(Answer::Wheels(wheels)) = world.probe(&Probe::Wheels) else { panic!("no wheels") };
+        (world.truth().unwrap().map_from_base, wheels.rolled_m[0])
+    };
+    assert_eq!(run(1, 10), run(1, 10));
+    assert_ne!(run(1, 10).0, run(2, 10).0);
+    assert!((run(1, 10).1 - run(2, 10).1).abs() < 1e-12, "wheels roll as told");
+    let (often, seldom) = (run(1, 137), run(1, 10));
+    assert!(
+        (often.0.translation.vector - seldom.0.translation.vector).norm() < 1e-3,
+        "sensor rates change nothing"
+    );
+}
+
+#[test]
+fn a_bad_start_or_map_is_told_with_its_key() {
+    let build = |params: SimParams| params.build(&BuildContext::bare("world")).err().unwrap();
+    let start = |x_m: f64| SimParams { start: Start { x_m, ..Start::default() }, ..params("start", WALLS) };
+    let error = build(start(4.9));
+    assert_eq!((error.path.as_str(), error.help.is_some()), ("start", true));
+    assert!(error.message.starts_with("the robot's hull overlaps something by 0.100 m"), "{}", error.message);
+    assert_eq!(build(start(f64::NAN)).path, "start.x_m");
+    assert_eq!(build(SimParams { map: Some("absent.toml".into()), ..SimParams::default() }).path, "map");
+    let faulty = build(params("faulty", "[[wall]]\nfrom = [1, 2]\n"));
+    assert!(faulty.message.contains(":1:1 wall[0].to: missing"), "{}", faulty.message);
+    let slip = toml::from_str("model = 'gaussian'\nspeed = -1.0").ok();
+    assert_eq!(build(SimParams { slip, ..SimParams::default() }).path, "slip.speed");
+}
+
+#[test]
+fn a_start_beside_the_map_is_refused() {
+    let image =
+        MapImage { width: 10, height: 20, resolution_m: 0.1, origin: [1.0, 1.0, 0.0], cells: vec![0; 200] };
+    assert!(check_on_map(&image, pose2(1.5, 2.5, 0.0)).is_ok());
+    let error = check_on_map(&image, pose2(2.5, 1.5, 0.0)).unwrap_err();
+    assert!(error.message.contains("covers 1.00 m by 2.00 m from its corner at (1, 1)"), "{}", error.message);
+}
