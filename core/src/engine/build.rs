@@ -15,7 +15,7 @@ use crate::map::Map;
 use crate::messages::{Command, Estimate, ObservationKind, Observations, Prior, SensorId};
 use crate::pipeline::{Pipeline, Rate, StageSpec};
 use crate::registry::Built;
-use crate::stages::{Background, BuildContext, BuildError, Localizer, World};
+use crate::stages::{Background, BuildContext, BuildError, GiveUp, Localizer, World};
 use crate::time::{Span, Time};
 use crate::trace::Trace;
 use std::path::PathBuf;
@@ -43,6 +43,7 @@ struct Builder<'p> {
     world_map: Option<PathBuf>,
     real_time: bool,
     dry_run: bool,
+    abort: GiveUp,
 }
 
 impl Builder<'_> {
@@ -63,7 +64,8 @@ impl Builder<'_> {
     }
 
     fn background(&self, spec: &StageSpec) -> Background {
-        if self.real_time { Background::threaded() } else { Background::inline(spec.latency) }
+        let place = if self.real_time { Background::threaded() } else { Background::inline(spec.latency) };
+        place.under(&self.abort)
     }
 
     fn stage<T: TryFrom<Built, Error = BuildError>>(&self, spec: &StageSpec) -> Result<T, EngineError> {
@@ -101,7 +103,8 @@ impl Engine {
     }
 
     fn build_as(pipeline: &Pipeline, dry_run: bool) -> Result<Engine, EngineError> {
-        let mut builder = Builder { pipeline, world_map: None, real_time: false, dry_run };
+        let mut builder =
+            Builder { pipeline, world_map: None, real_time: false, dry_run, abort: GiveUp::default() };
         let world: Box<dyn World> = builder.stage(&pipeline.world)?;
         builder.world_map = world.map_file().map(PathBuf::from);
         builder.real_time = world.is_real_time();
@@ -127,6 +130,7 @@ impl Engine {
         let mut planning = planning(builder)?;
         planning.task = pipeline.planner.as_ref().and_then(|spec| task(spec.rate, &mut schedule));
         let control = pipeline.avoider.as_ref().and_then(|spec| spec.rate).unwrap_or(CONTROL);
+        let control_period = control.period();
         let control = schedule.add(control);
         let avoider = match &pipeline.avoider {
             Some(spec) => Some(seat(builder.stage(spec)?, spec, None, &ring)),
@@ -156,6 +160,9 @@ impl Engine {
             status: crate::messages::Status::Lost,
             not_actuated: false,
             now: Time::ZERO,
+            late: Span::ZERO,
+            control_period,
+            abort: builder.abort.clone(),
             localization,
             planning,
             avoider,

@@ -116,17 +116,20 @@ pub enum Intervention {
     StageFailed,
     /// An obstacle is inside the stopping distance.
     StopZone,
+    /// The step began too late.
+    Deadline,
 }
 
 impl Intervention {
     /// All of them.
-    pub const ALL: [Intervention; 6] = [
+    pub const ALL: [Intervention; 7] = [
         Intervention::NotFinite,
         Intervention::TooFast,
         Intervention::Infeasible,
         Intervention::Stale,
         Intervention::StageFailed,
         Intervention::StopZone,
+        Intervention::Deadline,
     ];
 }
 
@@ -138,6 +141,7 @@ impl fmt::Display for Intervention {
             Intervention::Infeasible => "the drive cannot move like that",
             Intervention::Stale => "a sensor or the estimate is too old",
             Intervention::StageFailed => "a stage failed",
+            Intervention::Deadline => "the step began too late",
             Intervention::StopZone => "an obstacle is inside the stopping distance",
         })
     }

@@ -40,6 +40,8 @@ pub struct Situation {
     pub odom_from_base: Pose2,
     /// A stage failed in this step.
     pub stage_failed: bool,
+    /// This step began more than a control period too late.
+    pub deadline_missed: bool,
 }
 
 impl Guard {
@@ -90,6 +92,10 @@ impl Guard {
         }
         if situation.stage_failed {
             note(Intervention::StageFailed);
+            twist = Twist::ZERO;
+        }
+        if situation.deadline_missed {
+            note(Intervention::Deadline);
             twist = Twist::ZERO;
         }
         if twist != Twist::ZERO && self.is_stale(now) {

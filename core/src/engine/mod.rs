@@ -19,6 +19,7 @@ mod seat;
 mod step;
 mod stop_zone;
 mod timing;
+mod watchdog;
 mod wish;
 
 pub use build::EngineError;

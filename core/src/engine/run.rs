@@ -4,6 +4,7 @@ use super::events::{Event, EventKind};
 use super::navigator::{Order, Outcome, State};
 use super::observer::Observer;
 use super::step::{Engine, Stepped};
+use super::watchdog::Watchdog;
 use crate::frames::{Point2, Twist, pose2};
 use crate::map::Map;
 use crate::messages::{Check, Command, Goal, Prior};
@@ -42,6 +43,8 @@ pub enum EndReason {
     Interrupted,
     /// The world failed.
     WorldFailed,
+    /// One step took longer than the watchdog waits.
+    Stalled,
 }
 
 impl fmt::Display for EndReason {
@@ -58,6 +61,7 @@ impl fmt::Display for EndReason {
             EndReason::TimeLimit => "time_limit",
             EndReason::Interrupted => "interrupted",
             EndReason::WorldFailed => "world_failed",
+            EndReason::Stalled => "stalled",
         })
     }
 }
@@ -190,8 +194,14 @@ impl Engine {
 
     /// Steps until the run ends, and shuts down. `interrupt` may be raised from outside at any time.
     pub fn run(&mut self, observers: &mut [&mut dyn Observer], interrupt: &AtomicBool) -> RunEnd {
+        let watchdog = Watchdog::start(self.abort.clone());
         let end = loop {
-            match self.step() {
+            let stepped = self.step();
+            if watchdog.feed() {
+                let detail = format!("one step took more than {} s", Watchdog::PATIENCE.as_secs());
+                break RunEnd::new(EndReason::Stalled, Some(detail));
+            }
+            match stepped {
                 Stepped::Went => {}
                 Stepped::Ended => break RunEnd::new(EndReason::Ended, None),
                 Stepped::Failed(error) => break RunEnd::new(EndReason::WorldFailed, Some(error.to_string())),

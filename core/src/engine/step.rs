@@ -19,8 +19,8 @@ use crate::messages::{
 };
 use crate::robot::Robot;
 use crate::stages::{
-    Advance, AvoidInput, Avoider, Cx, Drove, Localizer, MapBuilder, MapInput, Sensor, Steering, World,
-    WorldError,
+    Advance, AvoidInput, Avoider, Cx, Drove, GiveUp, Localizer, MapBuilder, MapInput, Sensor, Steering,
+    World, WorldError,
 };
 use crate::time::{Span, Time};
 use crate::trace::Trace;
@@ -51,6 +51,9 @@ pub struct Engine {
     pub(super) track: OdometryTrack,
     pub(super) schedule: Schedule,
     pub(super) control: TaskId,
+    pub(super) control_period: Span,
+    pub(super) late: Span,
+    pub(super) abort: GiveUp,
     pub(super) guard: Guard,
     pub(super) navigator: Navigator,
     pub(super) orders: Vec<Order>,
@@ -122,6 +125,9 @@ impl Engine {
         let due = [self.schedule.next(), self.planning.due(), self.world.next_recorded()];
         let next = due.into_iter().flatten().min().unwrap_or(Time::MAX).max(self.now);
         let advanced = self.world.advance(next);
+        if let Ok(Advance::Reached(now)) = advanced {
+            self.late = now - next;
+        }
         self.times.add(Part::World, clock);
         advanced
     }
@@ -329,8 +335,12 @@ impl Engine {
     /// ─► Guard: no plugin passes it.
     fn guard(&mut self, wanted: Twist) -> Twist {
         let clock = Instant::now();
-        let situation =
-            guard::Situation { now: self.now, odom_from_base: self.track.now(), stage_failed: self.failed };
+        let situation = guard::Situation {
+            now: self.now,
+            odom_from_base: self.track.now(),
+            stage_failed: self.failed,
+            deadline_missed: self.late > self.control_period,
+        };
         let twist = self.guard.limit(wanted, &situation, &mut self.events);
         self.times.add(Part::Guard, clock);
         twist

@@ -106,17 +106,24 @@ impl BuildError {
 pub struct Background {
     threaded: bool,
     latency: Span,
+    abort: GiveUp,
 }
 
 impl Background {
     /// Work is done at once; its result is held back for `latency` of virtual time.
     pub fn inline(latency: Span) -> Background {
-        Background { threaded: false, latency }
+        Background { threaded: false, latency, abort: GiveUp::default() }
     }
 
     /// Work runs on its own thread.
     pub fn threaded() -> Background {
-        Background { threaded: true, latency: Span::ZERO }
+        Background { threaded: true, latency: Span::ZERO, abort: GiveUp::default() }
+    }
+
+    /// The same, with all its jobs given up when `abort` is raised.
+    pub fn under(mut self, abort: &GiveUp) -> Background {
+        self.abort = abort.clone();
+        self
     }
 
     /// Starts `work` at the time `now`.
@@ -125,7 +132,7 @@ impl Background {
         now: Time,
         work: impl FnOnce(&GiveUp) -> T + Send + 'static,
     ) -> BackgroundJob<T> {
-        let give_up = GiveUp::default();
+        let give_up = self.abort.child();
         if !self.threaded {
             let due = now + self.latency;
             return BackgroundJob {

@@ -6,16 +6,40 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// A flag that long computations look at: raised once, never lowered.
 #[doc(alias = "cancellation token")]
 #[derive(Debug, Clone, Default)]
-pub struct GiveUp(Arc<AtomicBool>);
+pub struct GiveUp {
+    own: Arc<AtomicBool>,
+    parent: Option<Arc<AtomicBool>>,
+}
 
 impl GiveUp {
+    /// A flag that is also raised when this one is.
+    pub fn child(&self) -> GiveUp {
+        GiveUp { own: Arc::default(), parent: Some(self.own.clone()) }
+    }
+
     /// Asks to stop.
     pub fn raise(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.own.store(true, Ordering::Relaxed);
     }
 
     /// Somebody asked to stop.
     pub fn is_raised(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        let raised = |flag: &Arc<AtomicBool>| flag.load(Ordering::Relaxed);
+        raised(&self.own) || self.parent.as_ref().is_some_and(raised)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_child_hears_its_parent_but_not_the_other_way_round() {
+        let parent = GiveUp::default();
+        let (a, b) = (parent.child(), parent.child());
+        a.raise();
+        assert!(a.is_raised() && !b.is_raised() && !parent.is_raised());
+        parent.raise();
+        assert!(b.is_raised());
     }
 }

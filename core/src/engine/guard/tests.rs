@@ -25,7 +25,12 @@ fn hit(stamp_s: f64, bearing_rad: f64, range_m: f32) -> Observation {
 }
 
 fn situation(now_s: f64) -> Situation {
-    Situation { now: Time::from_secs(now_s), odom_from_base: Pose2::identity(), stage_failed: false }
+    Situation {
+        now: Time::from_secs(now_s),
+        odom_from_base: Pose2::identity(),
+        stage_failed: false,
+        deadline_missed: false,
+    }
 }
 
 /// A guard in the middle of a drive at this twist.
@@ -142,6 +147,9 @@ fn an_old_scan_and_a_failed_stage_stop_the_robot() {
     let failed = Situation { stage_failed: true, ..situation(10.3) };
     guard.limit(Twist::new(0.1, 0.0), &failed, &mut events);
     assert_eq!(kinds(&events), [Intervention::Stale, Intervention::StageFailed]);
+    let late = Situation { deadline_missed: true, ..situation(10.4) };
+    assert_eq!(guard.limit(Twist::new(0.1, 0.0), &late, &mut events), Twist::ZERO);
+    assert_eq!(kinds(&events).last(), Some(&Intervention::Deadline));
 }
 
 #[test]
