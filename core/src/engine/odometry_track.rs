@@ -16,6 +16,9 @@ impl OdometryTrack {
     /// Long enough for a scan that is two seconds late at 200 readings a second.
     const LENGTH: usize = 400;
 
+    /// A velocity says nothing about later than this, seconds.
+    const CARRY_ON_S: f64 = 0.2;
+
     /// A base that has not moved.
     pub fn new() -> OdometryTrack {
         OdometryTrack { history: VecDeque::with_capacity(Self::LENGTH + 1), twist: Twist::ZERO }
@@ -36,6 +39,12 @@ impl OdometryTrack {
     /// The newest pose; the identity before there is any.
     pub fn now(&self) -> Pose2 {
         self.history.back().map_or_else(Pose2::identity, |(_, pose)| *pose)
+    }
+
+    /// The newest pose carried on by the newest velocity, for as long as a reading may reasonably take.
+    pub fn now_at(&self, now: Time) -> Pose2 {
+        let age_s = self.stamp().map_or(0.0, |stamp| (now - stamp).as_secs());
+        self.now() * self.twist.integrate(age_s.clamp(0.0, Self::CARRY_ON_S))
     }
 
     /// The newest velocity.
@@ -69,6 +78,16 @@ impl OdometryTrack {
 mod tests {
     use super::*;
     use crate::frames::pose2;
+
+    #[test]
+    fn between_readings_the_velocity_carries_the_pose_on_but_not_for_ever() {
+        let mut track = OdometryTrack::new();
+        assert_eq!(track.now_at(Time::from_secs(3.0)), Pose2::identity());
+        let odometry = Odometry { twist: Twist::new(2.0, 0.0), ..Odometry::default() };
+        track.push(Time::from_secs(1.0), &odometry);
+        assert!((track.now_at(Time::from_secs(1.05)).translation.x - 0.1).abs() < 1e-12);
+        assert!((track.now_at(Time::from_secs(9.0)).translation.x - 0.4).abs() < 1e-12);
+    }
 
     #[test]
     fn a_pose_between_two_readings_turns_the_short_way_round() {

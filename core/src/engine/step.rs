@@ -15,7 +15,7 @@ use super::wish::WishMotion;
 use crate::frames::{Pose2, Twist, flatten};
 use crate::map::{Layer, Map};
 use crate::messages::{
-    Check, Command, Data, Goal, Observation, Observations, Odometry, SensorId, Status, Wish,
+    Check, Command, Data, Goal, MessageFault, Observation, Observations, Odometry, SensorId, Status, Wish,
 };
 use crate::robot::Robot;
 use crate::stages::{
@@ -148,28 +148,27 @@ impl Engine {
                 let seen = self.ring.seen(seat.cursor, Filter::Of(inputs));
                 if seen.is_empty() { Ok(()) } else { seat.stage.derive(&mut cx, seen, &mut self.out) }
             };
+            let kept = self.collect();
+            let result = result.map_err(|e| e.to_string()).and(kept.map_err(|e| e.to_string()));
+            let seat = &mut self.sensors[idx].seat;
             self.failed |= seat.settle(result, read, self.now, &mut self.events).is_none();
-            self.n_new += self.collect(idx);
         }
         self.times.add(Part::Sensors, clock);
     }
 
-    /// Moves what a sensor gave into the ring; a message that must not go on stays out and is said.
-    fn collect(&mut self, sensor: usize) -> usize {
-        let mut n_kept = 0;
+    /// Moves what a sensor gave into the ring; a message that must not go on stays out.
+    fn collect(&mut self) -> Result<(), MessageFault> {
+        let mut kept = Ok(());
         while let Some(observation) = self.out.pop_front() {
             match observation.check() {
                 Ok(()) => {
                     self.ring.push(observation, &mut self.out);
-                    n_kept += 1;
+                    self.n_new += 1;
                 }
-                Err(fault) => {
-                    self.failed = true;
-                    self.sensors[sensor].seat.fail(&fault, self.now, &mut self.events);
-                }
+                Err(fault) => kept = Err(fault),
             }
         }
-        n_kept
+        kept
     }
 
     /// (Odometer): the only publisher of odom → base; without one, the odometry sensor is.
@@ -337,7 +336,7 @@ impl Engine {
         let clock = Instant::now();
         let situation = guard::Situation {
             now: self.now,
-            odom_from_base: self.track.now(),
+            odom_from_base: self.track.now_at(self.now),
             stage_failed: self.failed,
             deadline_missed: self.late > self.control_period,
         };
@@ -408,7 +407,7 @@ impl Engine {
     /// The robot in the map, now: the last estimate moved on by the odometer, so that a slow localizer never leaves the
     /// avoider on an old pose.
     pub fn map_from_base(&self) -> Pose2 {
-        flatten(&self.localization.estimate.map_from_odom) * self.track.now()
+        flatten(&self.localization.estimate.map_from_odom) * self.track.now_at(self.now)
     }
 
     /// The step as observers see it.
@@ -422,7 +421,7 @@ impl Engine {
             estimate: &self.localization.estimate,
             estimate_is_new: self.estimate_is_new,
             map_from_base,
-            odom_from_base: self.track.now(),
+            odom_from_base: self.track.now_at(self.now),
             truth: self.world.truth(),
             command: &self.command,
             path: self.navigator.path.as_ref(),

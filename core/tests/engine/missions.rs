@@ -1,0 +1,224 @@
+//! What the navigator and the guard make of trouble.
+
+use crate::*;
+use rumbo_core::engine::{Intervention, Order, State};
+use rumbo_core::messages::Goal;
+use rumbo_core::pipeline::InitialPose;
+use rumbo_core::time::Time;
+
+fn with(name: &str, change: impl FnOnce(&mut Pipeline)) -> Pipeline {
+    let mut pipeline = pipeline(name);
+    change(&mut pipeline);
+    pipeline
+}
+
+#[test]
+fn an_obstacle_is_remembered_until_the_goal_and_the_plan_knows_it() {
+    let blocked = with("blocked", |p| {
+        p.avoider = Some(stage(Stage::Avoider, "avoider", "beeline", None, "blocked_at_s = 2.0"));
+        p.mission.forget_seen_through = false;
+    });
+    let (end, summary, events) = run(&blocked);
+    assert_eq!((end.reason, summary.replans), (EndReason::Arrived, 1));
+    assert_eq!(events.count(|e| matches!(e, EventKind::Blocked { n_obstacles: 1 })), 1);
+    let asked = doubles::logged("blocked planner");
+    assert_eq!(asked, ["0 obstacles, 0 cells", "1 obstacles, 1 cells"]);
+}
+
+#[test]
+fn a_way_that_stays_blocked_ends_after_five_plans() {
+    let stuck = with("stuck", |p| {
+        p.avoider = Some(stage(
+            Stage::Avoider,
+            "avoider",
+            "beeline",
+            None,
+            "blocked_at_s = 2.0\nkeeps_blocking = true",
+        ));
+    });
+    let (end, summary, _) = run(&stuck);
+    assert_eq!(end.reason, EndReason::Stuck);
+    assert!((5..12).contains(&summary.replans), "rolling out is progress: {}", summary.replans);
+}
+
+#[test]
+fn an_old_obstacle_is_forgotten_before_a_goal_is_called_unreachable() {
+    let forgets = |memory_s: f64| {
+        with("forgets", |p| {
+            p.avoider = Some(stage(Stage::Avoider, "avoider", "beeline", None, "blocked_at_s = 2.0"));
+            p.planner = Some(stage(Stage::Planner, "forgetful", "line", None, "refuses_obstacles = true"));
+            p.mission.obstacle_memory_s = memory_s;
+            p.mission.forget_seen_through = false;
+        })
+    };
+    assert_eq!(run(&forgets(-1.0)).0.reason, EndReason::Arrived);
+    let (end, _, _) = run(&forgets(60.0));
+    assert_eq!(end.reason, EndReason::Unreachable);
+    assert!(end.detail.unwrap().contains("told to refuse"));
+}
+
+#[test]
+fn the_second_planner_is_asked_only_when_the_first_refuses() {
+    let falls_back = with("falls back", |p| {
+        p.planner = Some(stage(Stage::Planner, "first", "line", None, "refuses = true"));
+        p.planner_fallback = Some(stage(Stage::Planner, "second", "line", None, ""));
+    });
+    let (end, _, events) = run(&falls_back);
+    assert_eq!(end.reason, EndReason::Arrived);
+    assert_eq!(events.count(|e| matches!(e, EventKind::FallbackAsked { .. })), 1);
+    let unused = with("not needed", |p| {
+        p.planner_fallback = Some(stage(Stage::Planner, "never asked", "line", None, ""));
+    });
+    assert_eq!(run(&unused).0.reason, EndReason::Arrived);
+    assert!(doubles::logged("never asked").is_empty());
+}
+
+#[test]
+fn a_plan_with_latency_arrives_that_much_later() {
+    let late = with("late plan", |p| p.planner.as_mut().unwrap().latency = Span::from_secs(1.25));
+    let (end, _, events) = run(&late);
+    let found = events.0.iter().find(|e| matches!(e.kind, EventKind::PlanFound { .. })).unwrap();
+    assert_eq!((end.reason, found.stamp), (EndReason::Arrived, Time::from_secs(1.25)));
+}
+
+#[test]
+fn without_planner_the_path_is_the_list_of_waypoints() {
+    let bare = with("no planner", |p| {
+        p.planner = None;
+        p.mission.waypoints.push(Waypoint { x_m: 3.0, y_m: 3.0, yaw_deg: None });
+    });
+    let (end, _, events) = run(&bare);
+    assert_eq!(end.reason, EndReason::Arrived);
+    assert_eq!(events.count(|e| matches!(e, EventKind::Arrived(_))), 2);
+}
+
+#[test]
+fn a_goal_or_a_mission_that_takes_too_long_ends() {
+    let slow = with("slow", |p| p.mission.goal_timeout_s = Some(2.0));
+    assert_eq!(run(&slow).0.reason, EndReason::Timeout);
+    let endless = with("endless", |p| p.mission.time_limit_s = 3.0);
+    assert_eq!(run(&endless).0.reason, EndReason::TimeLimit);
+}
+
+#[test]
+fn a_run_without_mission_wanders_until_its_duration_or_the_end_of_the_world() {
+    let wanders = with("wanders", |p| {
+        p.mission.waypoints.clear();
+        p.duration_s = Some(5.0);
+    });
+    let (end, summary, _) = run(&wanders);
+    assert_eq!(end.reason, EndReason::Finished);
+    assert!((summary.path_m - 0.48).abs() < 0.05, "{}", summary.path_m);
+    let ends = with("ends", |p| p.world = stage(Stage::World, "world", "floor", None, "ends_at_s = 1.0"));
+    assert_eq!(run(&ends).0.reason, EndReason::Ended);
+}
+
+#[test]
+fn the_guard_stops_before_a_wall_that_the_avoider_ignores() {
+    let wall = with("wall", |p| {
+        p.world = stage(Stage::World, "world", "floor", None, "wall_x_m = 2.0");
+        p.mission = go_to(3.0, 0.0);
+        p.mission.time_limit_s = 20.0;
+    });
+    let (end, summary, events) = run(&wall);
+    assert_eq!(end.reason, EndReason::TimeLimit);
+    assert!(summary.min_clearance_m.unwrap() > 0.02, "{:?}", summary.min_clearance_m);
+    assert!(events.count(|e| *e == EventKind::Guard(Intervention::StopZone)) >= 1);
+}
+
+#[test]
+fn a_silent_scanner_and_a_mad_avoider_stop_the_robot() {
+    let silent = with("silent", |p| {
+        p.sensors[1] = sensor("scanner", "scanner", 10.0, "silent_after_s = 1.0");
+        p.mission.time_limit_s = 10.0;
+    });
+    let (_, summary, events) = run(&silent);
+    assert_eq!(events.count(|e| *e == EventKind::Guard(Intervention::Stale)), 1);
+    assert!(summary.path_m < 1.0);
+    let mad = with("mad", |p| {
+        p.avoider = Some(stage(Stage::Avoider, "avoider", "beeline", None, "nan_at_s = 2.0"));
+        p.mission.time_limit_s = 10.0;
+    });
+    let (_, summary, events) = run(&mad);
+    assert_eq!(events.count(|e| *e == EventKind::Guard(Intervention::NotFinite)), 1);
+    assert!(summary.path_m < 1.0);
+}
+
+#[test]
+fn a_stage_that_fails_again_and_again_ends_the_run_by_name() {
+    let fails = with("fails", |p| {
+        p.localizer = Some(stage(Stage::Localizer, "bad localizer", "reckoning", None, "fails = true"));
+    });
+    let (end, summary, _) = run(&fails);
+    assert_eq!(end.reason, EndReason::StageFailed);
+    assert!(end.detail.unwrap().contains("bad localizer"));
+    assert!(summary.stage_failures >= 50 && summary.path_m == 0.0);
+    let poisoned =
+        with("poisoned", |p| p.sensors[0] = sensor("wheels", "wheels", 20.0, "poison_after_s = 1.0"));
+    let (end, _, events) = run(&poisoned);
+    assert_eq!(end.reason, EndReason::StageFailed);
+    let said =
+        |e: &EventKind| matches!(e, EventKind::StageFailed { error, .. } if error.contains("odometry.twist"));
+    assert!(events.count(said) >= 50);
+}
+
+#[test]
+fn a_lost_robot_is_found_by_the_relocalizer_whose_wish_is_obeyed() {
+    let lost = with("lost", |p| {
+        p.localizer = Some(stage(Stage::Localizer, "loses", "reckoning", None, "lost_at_s = 2.0"));
+        p.relocalizer = Some(stage(Stage::Localizer, "relocalizer", "turner", None, ""));
+    });
+    let (end, _, events) = run(&lost);
+    assert_eq!(end.reason, EndReason::Arrived, "{:?}", events.0);
+    assert_eq!(events.count(|e| *e == EventKind::Relocalized), 1);
+    let states: Vec<State> = events
+        .0
+        .iter()
+        .filter_map(|e| if let EventKind::State { to, .. } = e.kind { Some(to) } else { None })
+        .collect();
+    let expected = [
+        State::Lost,
+        State::Waiting,
+        State::Navigating,
+        State::Lost,
+        State::Localizing,
+        State::Waiting,
+        State::Navigating,
+        State::Waiting,
+    ];
+    assert_eq!(states, expected);
+}
+
+#[test]
+fn a_wish_in_a_world_that_cannot_drive_is_an_error() {
+    let still = with("still", |p| {
+        p.world = stage(Stage::World, "world", "floor", None, "drives = false");
+        p.mission.initial_pose = InitialPose::WellKnown(rumbo_core::pipeline::WellKnownPose::Unknown);
+        p.relocalizer = Some(stage(Stage::Localizer, "relocalizer", "turner", None, ""));
+    });
+    let (end, _, events) = run(&still);
+    assert_eq!(end.reason, EndReason::StageFailed);
+    let said =
+        |e: &EventKind| matches!(e, EventKind::StageFailed { error, .. } if error.contains("cannot drive"));
+    assert!(events.count(said) > 0);
+}
+
+#[test]
+fn orders_go_through_one_door_and_wrong_ones_change_nothing() {
+    let mut engine = Engine::build(&with("orders", |p| p.mission.waypoints.clear())).unwrap();
+    let goal = |x: f64| Goal { position: nalgebra::Point2::new(x, 0.0), yaw_rad: None };
+    engine.command(Order::GoTo(vec![goal(f64::NAN)]));
+    engine.step();
+    assert!(
+        engine.view().events.iter().any(|e| matches!(e.kind, EventKind::Refused { command: "go_to", .. }))
+    );
+    engine.command(Order::GoTo(vec![goal(1.0), goal(2.0)]));
+    engine.step();
+    assert_eq!((engine.view().state, engine.view().n_goals_left), (State::Navigating, 2));
+    engine.command(Order::Localize);
+    engine.step();
+    assert_eq!(engine.view().state, State::Navigating);
+    engine.command(Order::Cancel);
+    engine.step();
+    assert_eq!((engine.view().state, engine.view().n_goals_left), (State::Waiting, 0));
+}
