@@ -3,6 +3,7 @@
 //! Read [`Engine::step`] first: it tells on one page how data flows from the sensors to the wheels.
 
 mod build;
+mod check;
 mod events;
 mod guard;
 mod localization;
@@ -23,6 +24,7 @@ mod watchdog;
 mod wish;
 
 pub use build::EngineError;
+pub use check::WaypointFault;
 pub use events::{Event, EventKind, Intervention};
 pub use metrics::{Metrics, Summary};
 pub use navigator::{Order, Outcome, State};

@@ -122,3 +122,16 @@ fn the_estimate_is_never_older_than_the_map_it_was_made_on() {
     let truth = flatten(&view.truth.unwrap().map_from_base);
     assert!((view.map_from_base.translation.vector - truth.translation.vector).norm() < 1e-9);
 }
+
+#[test]
+fn waypoints_off_the_map_are_named_before_anything_moves() {
+    let mut pipeline = pipeline("waypoints");
+    pipeline.mission.waypoints.push(Waypoint { x_m: -3.0, y_m: 2.0, yaw_deg: None });
+    let faults = Engine::build_dry(&pipeline).unwrap().waypoint_faults();
+    assert_eq!(faults.len(), 1);
+    assert!(
+        faults[0].to_string().starts_with("waypoint 1 (-3.00, 2.00) m lies outside the map"),
+        "{}",
+        faults[0]
+    );
+}
