@@ -1,1 +1,10 @@
-//! Sensors of Rumbo.
+//! Sensors of Rumbo: each owns its device's truth (geometry, resolution, range, noise, dropouts).
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod laser_2d;
+pub mod lms200;
+pub mod wheel_encoders;
+
+mod recorded;
+#[cfg(test)]
+mod test_world;

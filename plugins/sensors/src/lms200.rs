@@ -1,0 +1,9 @@
+//! `lms200`: the SICK LMS 200 as its data sheet and its telegrams have it.
+
+mod device;
+mod params;
+mod plugin;
+
+pub use device::{Lms200Mode, Lms200Unit};
+pub use params::Lms200Params;
+pub use plugin::Lms200;

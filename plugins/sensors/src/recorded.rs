@@ -1,0 +1,48 @@
+//! What every sensor does in a world that plays a recording: it passes on what was recorded under its name.
+
+use rumbo_core::frames::Pose3;
+use rumbo_core::messages::{Observation, Observations, SensorId};
+use rumbo_core::stages::{Answer, BuildContext, Probe, SensorError, World, WorldError};
+
+/// Who a sensor is and where it sits.
+#[derive(Debug, Clone)]
+pub(crate) struct Seat {
+    pub name: String,
+    pub sensor: SensorId,
+    pub base_from_sensor: Pose3,
+}
+
+impl Seat {
+    pub fn of(context: &BuildContext) -> Self {
+        Self {
+            name: context.name.clone(),
+            sensor: context.sensor,
+            base_from_sensor: context.base_from_sensor,
+        }
+    }
+
+    /// Passes on what was recorded, with its own stamps, as seen by this sensor.
+    pub fn pass_on(&self, recorded: &[Observation], out: &mut Observations) {
+        for observation in recorded {
+            let (sensor, base_from_sensor) = (self.sensor, self.base_from_sensor);
+            out.push(Observation { sensor, base_from_sensor, ..observation.clone() });
+        }
+    }
+
+    /// After a world had no answer to the sensor's own probe: asks for the recorded channel of its name.
+    pub fn ask_recording(
+        &self,
+        world: &mut dyn World,
+        unanswered: WorldError,
+        out: &mut Observations,
+    ) -> Result<(), SensorError> {
+        match world.probe(&Probe::Channel { name: &self.name }) {
+            Ok(Answer::Recorded(recorded)) => {
+                self.pass_on(recorded, out);
+                Ok(())
+            }
+            // The first refusal says what this sensor needs; the second only that there is no recording either.
+            _ => Err(SensorError::World(unanswered)),
+        }
+    }
+}

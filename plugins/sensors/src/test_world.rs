@@ -1,0 +1,54 @@
+//! A world for tests: one straight wall, wheels that say what they are told, or a recording.
+
+use rumbo_core::messages::{Command, Observation};
+use rumbo_core::stages::{Advance, Answer, Drove, Probe, WheelMotion, World, WorldError};
+use rumbo_core::time::Time;
+
+/// The wall stands at x = `wall_x_m` of the sensor's frame.
+pub(crate) struct TestWorld {
+    pub wall_x_m: f64,
+    pub wheels: WheelMotion,
+    pub recorded: Option<Vec<Observation>>,
+    ranges_m: Vec<f32>,
+}
+
+impl TestWorld {
+    pub fn with_wall(wall_x_m: f64) -> Self {
+        Self { wall_x_m, wheels: WheelMotion::default(), recorded: None, ranges_m: Vec::new() }
+    }
+
+    pub fn recorded(recorded: Vec<Observation>) -> Self {
+        Self { recorded: Some(recorded), ..Self::with_wall(1.0) }
+    }
+}
+
+impl World for TestWorld {
+    fn now(&self) -> Time {
+        Time::ZERO
+    }
+
+    fn advance(&mut self, to: Time) -> Result<Advance, WorldError> {
+        Ok(Advance::Reached(to))
+    }
+
+    fn drive(&mut self, _: &Command) -> Result<Drove, WorldError> {
+        Ok(Drove::NotActuated)
+    }
+
+    fn probe<'w>(&'w mut self, probe: &Probe<'_>) -> Result<Answer<'w>, WorldError> {
+        match (probe, &self.recorded) {
+            (Probe::Channel { name: "sensor" }, Some(recorded)) => Ok(Answer::Recorded(recorded)),
+            (_, Some(_)) => Err(WorldError::Unsupported { probe: probe.name() }),
+            (Probe::Wheels, None) => Ok(Answer::Wheels(self.wheels)),
+            (Probe::Beams { first_bearing_rad, bearing_step_rad, n_beams, max_range_m, .. }, None) => {
+                let range_m = |idx: usize| {
+                    let range_m = self.wall_x_m / (first_bearing_rad + bearing_step_rad * idx as f64).cos();
+                    if range_m > 0.0 && range_m <= *max_range_m { range_m as f32 } else { f32::INFINITY }
+                };
+                self.ranges_m = (0..*n_beams).map(range_m).collect();
+                Ok(Answer::Ranges(&self.ranges_m))
+            }
+            _ => Err(WorldError::Unsupported { probe: probe.name() }),
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! The wheel encoders as a sensor of the framework.
+
+use rumbo_core::frames::Twist;
+use rumbo_core::messages::{Data, Observation, ObservationKind, Observations, Odometry};
+use rumbo_core::registry::{Manifest, Params, Plugin};
+use rumbo_core::stages::{
+    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World, WorldError,
+};
+use rumbo_core::time::Time;
+
+use super::{Odometer, WheelEncodersParams};
+use crate::recorded::Seat;
+
+rumbo_core::register_sensor!(WheelEncodersParams, "wheel_encoders", "odometry from the wheels of any drive");
+
+/// Encoders on the wheels.
+#[derive(Debug)]
+pub struct WheelEncoders {
+    seat: Seat,
+    odometer: Odometer,
+    noise: [f64; 3],
+    last: Option<Time>,
+    twist: Twist,
+}
+
+impl Plugin<dyn Sensor> for WheelEncodersParams {
+    fn manifest(&self) -> Manifest {
+        Manifest {
+            produces: vec![ObservationKind::Odometry],
+            default_rate_hz: Some(20.0),
+            ..Manifest::default()
+        }
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Sensor>, BuildError> {
+        if let Some(fault) = self.check().into_iter().next() {
+            return Err(fault);
+        }
+        let odometer = Odometer::new(context.robot.drive, self.steps());
+        let noise = [self.claimed_distance, self.claimed_direction_deg_m.to_radians(), self.claimed_turn];
+        Ok(Box::new(WheelEncoders {
+            seat: Seat::of(context),
+            odometer,
+            noise,
+            last: None,
+            twist: Twist::ZERO,
+        }))
+    }
+}
+
+impl Sensor for WheelEncoders {
+    fn poll(
+        &mut self,
+        cx: &mut Cx<'_>,
+        world: &mut dyn World,
+        out: &mut Observations,
+    ) -> Result<(), SensorError> {
+        let wheels = match world.probe(&Probe::Wheels) {
+            Ok(Answer::Wheels(wheels)) => wheels,
+            Ok(Answer::Recorded(recorded)) => {
+                self.seat.pass_on(recorded, out);
+                return Ok(());
+            }
+            Ok(other) => {
+                return Err(SensorError::WrongAnswer { expected: "wheel motion", found: other.name() });
+            }
+            Err(unanswered @ WorldError::Unsupported { .. }) => {
+                return self.seat.ask_recording(world, unanswered, out);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        let moved = self.odometer.update(&wheels);
+        let seconds = self.last.map_or(0.0, |last| (cx.now - last).as_secs());
+        if seconds > 0.0 {
+            self.twist = moved.scaled(1.0 / seconds);
+        }
+        self.last = Some(cx.now);
+        out.push(Observation {
+            sensor: self.seat.sensor,
+            stamp: cx.now,
+            base_from_sensor: self.seat.base_from_sensor,
+            valid: true,
+            data: Data::Odometry(Odometry {
+                odom_from_base: self.odometer.report(),
+                twist: self.twist,
+                noise: self.noise,
+            }),
+        });
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

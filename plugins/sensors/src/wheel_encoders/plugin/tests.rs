@@ -1,0 +1,53 @@
+use rumbo_core::stages::WheelMotion;
+use rumbo_core::trace::Trace;
+
+use super::*;
+use crate::test_world::TestWorld;
+
+#[test]
+fn the_report_starts_at_zero_and_carries_the_speed() {
+    let params = WheelEncodersParams { position_step_m: 0.00254, ..WheelEncodersParams::default() };
+    let mut sensor = params.build(&BuildContext::bare("sensor")).unwrap();
+    let (mut world, mut out, trace) =
+        (TestWorld::with_wall(1.0), Observations::default(), Trace::unwatched());
+    for (tick, rolled_m) in [(0, 5.0), (1, 5.05), (2, 5.10)] {
+        world.wheels = WheelMotion { rolled_m: [rolled_m, rolled_m, 0.0, 0.0], ..WheelMotion::default() };
+        sensor.poll(&mut Cx { now: Time(tick * 50_000_000), trace: &trace }, &mut world, &mut out).unwrap();
+    }
+    let reports: Vec<Odometry> = out
+        .items()
+        .iter()
+        .map(|observation| match observation.data {
+            Data::Odometry(odometry) => odometry,
+            _ => Odometry::default(),
+        })
+        .collect();
+    assert_eq!(reports[0].odom_from_base.translation.x, 0.0);
+    assert_eq!(reports[0].twist, Twist::ZERO);
+    assert!((reports[2].odom_from_base.translation.x - 39.0 * 0.00254).abs() < 1e-12, "0.1 m is 39.4 steps");
+    assert!((reports[2].twist.forward_m_s - 1.0).abs() < 1e-9);
+    assert_eq!(reports[2].noise, [0.02, 0.5f64.to_radians(), 0.02]);
+}
+
+#[test]
+fn two_polls_at_one_time_keep_the_speed() {
+    let mut sensor = WheelEncodersParams::default().build(&BuildContext::bare("sensor")).unwrap();
+    let (mut world, mut out, trace) =
+        (TestWorld::with_wall(1.0), Observations::default(), Trace::unwatched());
+    for _ in 0..2 {
+        sensor.poll(&mut Cx { now: Time(7), trace: &trace }, &mut world, &mut out).unwrap();
+    }
+    let Data::Odometry(odometry) = out.items()[1].data else { panic!() };
+    assert!(odometry.twist.is_finite());
+}
+
+#[test]
+fn impossible_steps_are_named() {
+    let bad = WheelEncodersParams {
+        wheel_step_m: -1.0,
+        heading_step_deg: f64::NAN,
+        ..WheelEncodersParams::default()
+    };
+    let keys: Vec<String> = bad.check().into_iter().map(|fault| fault.path).collect();
+    assert_eq!(keys, ["wheel_step_m", "heading_step_deg"]);
+}
