@@ -1,8 +1,13 @@
 //! A world for tests: one straight wall, wheels that say what they are told, or a recording.
 
-use rumbo_core::messages::{Command, Observation};
+use rumbo_core::messages::{Command, Observation, Observations};
 use rumbo_core::stages::{Advance, Answer, Drove, Probe, WheelMotion, World, WorldError};
 use rumbo_core::time::Time;
+
+/// What a sensor gave, oldest first.
+pub(crate) fn given(out: &Observations) -> Vec<Observation> {
+    out.iter().cloned().collect()
+}
 
 /// The wall stands at x = `wall_x_m` of the sensor's frame.
 pub(crate) struct TestWorld {

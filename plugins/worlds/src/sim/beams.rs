@@ -32,13 +32,15 @@ pub struct Ring<'a> {
 /// Memory of the world's eyes, kept so that a warm scan allocates nothing.
 #[derive(Debug, Default)]
 pub struct Eyes {
-    fans: Vec<(Fan, Vec<Vector>)>,
+    fans: Vec<((f64, usize), Vec<Vector>)>,
     movers: Vec<Solid>,
     ranges_m: Vec<f32>,
 }
 
 /// A mount whose axes rise less than this looks along the floor.
 const LEVEL: f64 = 1e-12;
+/// A robot has fewer kinds of scanners; more fans than this means that one changes all the time.
+const MOST_FANS: usize = 32;
 /// Stands for "straight up or down" where a direction over the floor is needed.
 const STEEPEST: f64 = 1e-9;
 /// Rays of a sound cone lie at most this far apart.
@@ -95,6 +97,9 @@ impl Eyes {
         let lattice = place.lattice(number);
         self.ranges_m.clear();
         // A level fan needs one pose: its beams differ by their direction only.
+        let first =
+            nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), fan.first_bearing_rad);
+        let map_from_sensor = &(map_from_sensor * first);
         let ahead = beam(place, map_from_sensor, &nalgebra::Vector3::x());
         let left = place.lattice_from_map.rotation * (map_from_sensor.rotation * nalgebra::Vector3::y()).xy();
         let reach = max_range_m / place.resolution_m;
@@ -183,13 +188,18 @@ impl Eyes {
         place.prepare(view)
     }
 
+    /// Directions of a fan, seen from its first beam; made once for each step and number.
     fn fan(&mut self, fan: Fan) -> usize {
-        self.fans.iter().position(|(known, _)| *known == fan).unwrap_or_else(|| {
+        let shape = (fan.bearing_step_rad, fan.n_beams);
+        self.fans.iter().position(|(known, _)| *known == shape).unwrap_or_else(|| {
+            if self.fans.len() >= MOST_FANS {
+                self.fans.clear();
+            }
             let direction = |idx: usize| {
-                let (sin, cos) = (fan.first_bearing_rad + fan.bearing_step_rad * idx as f64).sin_cos();
+                let (sin, cos) = (fan.bearing_step_rad * idx as f64).sin_cos();
                 Vector::new(cos, sin)
             };
-            self.fans.push((fan, (0..fan.n_beams).map(direction).collect()));
+            self.fans.push((shape, (0..fan.n_beams).map(direction).collect()));
             self.fans.len() - 1
         })
     }

@@ -3,7 +3,7 @@ use rumbo_core::time::Time;
 use rumbo_core::trace::Trace;
 
 use super::*;
-use crate::test_world::TestWorld;
+use crate::test_world::{TestWorld, given};
 
 #[test]
 fn partial_scans_follow_each_other_with_their_own_stamps() {
@@ -14,8 +14,7 @@ fn partial_scans_follow_each_other_with_their_own_stamps() {
         let mut cx = Cx { now: Time(tick * 13_333_333), trace: &trace };
         sensor.poll(&mut cx, &mut TestWorld::with_wall(2.0), &mut out).unwrap();
     }
-    let firsts_deg: Vec<f64> = out
-        .items()
+    let firsts_deg: Vec<f64> = given(&out)
         .iter()
         .map(|observation| match &observation.data {
             Data::LaserScan(scan) => scan.first_bearing_rad.to_degrees(),
@@ -25,7 +24,7 @@ fn partial_scans_follow_each_other_with_their_own_stamps() {
     for (found, expected) in firsts_deg.iter().zip([-90.0, -89.75, -89.5, -89.25, -90.0]) {
         assert!((found - expected).abs() < 1e-9, "{firsts_deg:?}");
     }
-    assert_eq!(out.items()[3].stamp, Time(39_999_999));
+    assert_eq!(given(&out)[3].stamp, Time(39_999_999));
 }
 
 #[test]
@@ -37,7 +36,7 @@ fn the_unit_sets_reach_and_steps() {
         sensor
             .poll(&mut Cx { now: Time(0), trace: &trace }, &mut TestWorld::with_wall(8.0), &mut out)
             .unwrap();
-        let Data::LaserScan(scan) = out.items()[0].data.clone() else { panic!() };
+        let Data::LaserScan(scan) = given(&out)[0].data.clone() else { panic!() };
         scan
     };
     let fine = scan(Lms200Unit::Millimeters);

@@ -2,7 +2,7 @@ use rumbo_core::stages::WheelMotion;
 use rumbo_core::trace::Trace;
 
 use super::*;
-use crate::test_world::TestWorld;
+use crate::test_world::{TestWorld, given};
 
 #[test]
 fn the_report_starts_at_zero_and_carries_the_speed() {
@@ -14,8 +14,7 @@ fn the_report_starts_at_zero_and_carries_the_speed() {
         world.wheels = WheelMotion { rolled_m: [rolled_m, rolled_m, 0.0, 0.0], ..WheelMotion::default() };
         sensor.poll(&mut Cx { now: Time(tick * 50_000_000), trace: &trace }, &mut world, &mut out).unwrap();
     }
-    let reports: Vec<Odometry> = out
-        .items()
+    let reports: Vec<Odometry> = given(&out)
         .iter()
         .map(|observation| match observation.data {
             Data::Odometry(odometry) => odometry,
@@ -37,7 +36,7 @@ fn two_polls_at_one_time_keep_the_speed() {
     for _ in 0..2 {
         sensor.poll(&mut Cx { now: Time(7), trace: &trace }, &mut world, &mut out).unwrap();
     }
-    let Data::Odometry(odometry) = out.items()[1].data else { panic!() };
+    let Data::Odometry(odometry) = given(&out)[1].data else { panic!() };
     assert!(odometry.twist.is_finite());
 }
 
