@@ -1,5 +1,5 @@
 //! Not-a-number and infinity stop at the door, in every message type.
-#![allow(clippy::unwrap_used, missing_docs)]
+#![allow(clippy::unwrap_used, clippy::panic, missing_docs)]
 
 use nalgebra::Matrix3;
 use rumbo_core::boundary::Buffer;

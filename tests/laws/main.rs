@@ -26,8 +26,13 @@ where
     T::Error: std::fmt::Debug,
 {
     let build = || {
-        let configured = entry.source.parse(toml::Table::new()).unwrap_or_else(|f| panic!("{entry:?}: {f:?}"));
-        assert!(configured.check().is_empty(), "{entry:?}: the defaults are refused: {:?}", configured.check());
+        let configured =
+            entry.source.parse(toml::Table::new()).unwrap_or_else(|f| panic!("{entry:?}: {f:?}"));
+        assert!(
+            configured.check().is_empty(),
+            "{entry:?}: the defaults are refused: {:?}",
+            configured.check()
+        );
         let built = configured.build(context).unwrap_or_else(|e| panic!("{entry:?}: {e}"));
         T::try_from(built).unwrap()
     };
@@ -44,8 +49,13 @@ fn every_entry_documents_every_parameter_and_its_defaults_read_back() {
             let documented = property["description"].as_str().is_some_and(|text| !text.trim().is_empty());
             assert!(documented, "{entry:?}: parameter `{name}` has no documentation");
         }
-        assert_eq!(schema["additionalProperties"], serde_json::json!(false), "{entry:?} swallows unknown keys");
-        let again = entry.source.parse(entry.source.defaults()).unwrap_or_else(|f| panic!("{entry:?}: {f:?}"));
+        assert_eq!(
+            schema["additionalProperties"],
+            serde_json::json!(false),
+            "{entry:?} swallows unknown keys"
+        );
+        let again =
+            entry.source.parse(entry.source.defaults()).unwrap_or_else(|f| panic!("{entry:?}: {f:?}"));
         assert_eq!(again.parameters(), entry.source.defaults(), "{entry:?}");
     }
 }

@@ -64,8 +64,15 @@ fn a_path_begins_at_the_start_ends_at_the_goal_and_touches_nothing() {
         assert_eq!(path.check(), Ok(()), "{name}");
         let grid = world.map.grid.as_ref().unwrap();
         let first = path.points()[0].position;
-        assert!((first - Point2::from(world.start.translation.vector)).norm() < 1e-9, "{name}: begins at {first}");
-        assert!((path.end().position - world.goal.position).norm() < 0.26, "{name}: ends at {}", path.end().position);
+        assert!(
+            (first - Point2::from(world.start.translation.vector)).norm() < 1e-9,
+            "{name}: begins at {first}"
+        );
+        assert!(
+            (path.end().position - world.goal.position).norm() < 0.26,
+            "{name}: ends at {}",
+            path.end().position
+        );
         for piece in path.points().windows(2) {
             for k in 0..=200 {
                 let at = piece[0].position + (piece[1].position - piece[0].position) * (f64::from(k) / 200.0);

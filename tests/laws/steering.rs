@@ -95,7 +95,8 @@ fn a_localizer_survives_an_update_with_nothing_new() {
 #[test]
 fn an_avoider_is_finite_slow_enough_and_the_same_twice() {
     for entry in entries(Stage::Avoider) {
-        let (mut one, mut other): (Box<dyn Avoider>, Box<dyn Avoider>) = twins(&entry, &BuildContext::bare("avoider"));
+        let (mut one, mut other): (Box<dyn Avoider>, Box<dyn Avoider>) =
+            twins(&entry, &BuildContext::bare("avoider"));
         let world = text_world(0.5, ROOM);
         let (robot, trace) = (Robot::default(), Trace::unwatched());
         let path = Path::through([world.start.translation.vector.into(), world.goal.position], 0.0).unwrap();
@@ -131,7 +132,10 @@ fn an_avoider_is_finite_slow_enough_and_the_same_twice() {
             panic!("{entry:?} never arrived, stands at {pose}");
         };
         let (end, commands) = drive(&mut one);
-        assert!((end.translation.vector - world.goal.position.coords).norm() <= 0.1, "{entry:?} says arrived at {end}");
+        assert!(
+            (end.translation.vector - world.goal.position.coords).norm() <= 0.1,
+            "{entry:?} says arrived at {end}"
+        );
         assert_eq!(commands, drive(&mut other).1, "{entry:?}");
     }
 }
@@ -139,9 +143,11 @@ fn an_avoider_is_finite_slow_enough_and_the_same_twice() {
 #[test]
 fn an_avoider_without_a_path_needs_no_path() {
     for entry in entries(Stage::Avoider) {
-        let (mut avoider, _): (Box<dyn Avoider>, Box<dyn Avoider>) = twins(&entry, &BuildContext::bare("avoider"));
+        let (mut avoider, _): (Box<dyn Avoider>, Box<dyn Avoider>) =
+            twins(&entry, &BuildContext::bare("avoider"));
         let (world, robot, trace) = (text_world(0.5, ROOM), Robot::default(), Trace::unwatched());
-        let estimate = Estimate::planar(Time::ZERO, world.start, Pose2::identity(), Matrix3::identity() * 1e-4);
+        let estimate =
+            Estimate::planar(Time::ZERO, world.start, Pose2::identity(), Matrix3::identity() * 1e-4);
         let seen = [scan(Time::ZERO, 6.0)];
         let input = AvoidInput {
             map_from_base: world.start,
@@ -157,6 +163,9 @@ fn an_avoider_without_a_path_needs_no_path() {
             robot: &robot,
         };
         let steering = avoider.steer(&mut Cx { now: Time::ZERO, trace: &trace }, &input);
-        assert!(matches!(steering, Ok(Steering::Drive(twist)) if twist.is_finite()), "{entry:?}: {steering:?}");
+        assert!(
+            matches!(steering, Ok(Steering::Drive(twist)) if twist.is_finite()),
+            "{entry:?}: {steering:?}"
+        );
     }
 }

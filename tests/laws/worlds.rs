@@ -23,7 +23,11 @@ fn office() -> PathBuf {
 fn time_runs_forwards_only_and_bad_commands_are_refused() {
     for entry in entries(Stage::World) {
         let (mut world, _): (Box<dyn World>, Box<dyn World>) = twins(&entry, &context("world"));
-        assert_eq!(world.advance(Time::from_secs(1.0)), Ok(Advance::Reached(Time::from_secs(1.0))), "{entry:?}");
+        assert_eq!(
+            world.advance(Time::from_secs(1.0)),
+            Ok(Advance::Reached(Time::from_secs(1.0))),
+            "{entry:?}"
+        );
         let back = world.advance(Time::from_secs(0.5));
         assert!(matches!(back, Err(WorldError::Backwards { .. })), "{entry:?}: {back:?}");
         let mad = Command { stamp: world.now(), twist: Twist::new(f64::NAN, 0.0) };
@@ -44,7 +48,8 @@ fn a_world_answers_or_says_that_it_cannot() {
     for entry in entries(Stage::World) {
         let (mut world, _): (Box<dyn World>, Box<dyn World>) = twins(&entry, &context("world"));
         let channel = Probe::Channel { name: "nothing" };
-        for probe in [beams(0, 8.0), beams(10, 0.0), beams(200, 8.0), Probe::Wheels, Probe::Position, channel] {
+        for probe in [beams(0, 8.0), beams(10, 0.0), beams(200, 8.0), Probe::Wheels, Probe::Position, channel]
+        {
             match world.probe(&probe) {
                 Ok(_) | Err(WorldError::Unsupported { .. }) => {}
                 Err(error) => panic!("{entry:?}: {}: {error}", probe.name()),

@@ -113,7 +113,7 @@ impl Engine {
 
     fn with_world(builder: &Builder<'_>, world: Box<dyn World>) -> Result<Engine, EngineError> {
         let pipeline = builder.pipeline;
-        let mut schedule = Schedule::default();
+        let mut schedule = Schedule::from(world.now());
         let ring = Ring::new(RING, pipeline.odometer.is_some());
         let sensors = sensors(builder, &mut schedule)?;
         let odometer = odometer(builder, &mut schedule, &ring)?;
@@ -159,7 +159,11 @@ impl Engine {
             has_mission: !pipeline.mission.waypoints.is_empty(),
             status: crate::messages::Status::Lost,
             not_actuated: false,
-            now: Time::ZERO,
+            now: world.now(),
+            started: world.now(),
+            recorded: false,
+            stage_drawings: Vec::new(),
+            counters: Vec::new(),
             late: Span::ZERO,
             control_period,
             abort: builder.abort.clone(),

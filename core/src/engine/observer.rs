@@ -53,6 +53,10 @@ pub struct StepView<'a> {
     pub map: &'a Map,
     /// Debug drawings of the last plan, if anybody looks.
     pub drawings: &'a [Drawing],
+    /// Debug drawings of the other stages in this step, if anybody looks.
+    pub stage_drawings: &'a [Drawing],
+    /// Counters of the stages in this step, if anybody looks.
+    pub counters: &'a [(&'static str, f64)],
     /// What happened in this step.
     pub events: &'a [Event],
     /// Wall time that each stage has used so far.

@@ -181,6 +181,10 @@ impl Planning {
     ) {
         let reason = error.to_string();
         events.push(Event { stamp: at.now, kind: EventKind::PlanFailed { reason: reason.clone() } });
+        if nav.path.is_some() {
+            // This was a plan beside a path that still holds; the avoider says when it does not.
+            return;
+        }
         if !by_fallback && self.fallback.is_some() {
             events.push(Event { stamp: at.now, kind: EventKind::FallbackAsked { reason } });
             self.ask(true, nav, at, events);

@@ -227,7 +227,7 @@ impl Engine {
                 Some(format!("`{stage}` failed again and again")),
             ));
         }
-        let since_start = Span(self.now.0);
+        let since_start = self.now - self.started;
         if self.has_mission {
             let limit = Span::from_secs(self.navigator.mission().time_limit_s);
             let over = || RunEnd::new(EndReason::TimeLimit, Some(format!("after {} s", limit.as_secs())));

@@ -23,7 +23,7 @@ use crate::stages::{
     World, WorldError,
 };
 use crate::time::{Span, Time};
-use crate::trace::Trace;
+use crate::trace::{Drawing, Trace};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -71,6 +71,10 @@ pub struct Engine {
     pub(super) trace: Trace,
     pub(super) times: StageTimes,
     pub(super) now: Time,
+    pub(super) started: Time,
+    pub(super) recorded: bool,
+    pub(super) stage_drawings: Vec<Drawing>,
+    pub(super) counters: Vec<(&'static str, f64)>,
     pub(super) step: u64,
 }
 
@@ -115,6 +119,9 @@ impl Engine {
         }
         self.insert();
         self.forget();
+        if self.trace.is_watched() {
+            (self.stage_drawings, self.counters) = self.trace.take();
+        }
         self.step += 1;
         Stepped::Went
     }
@@ -122,7 +129,9 @@ impl Engine {
     /// World: time passes until something is due.
     fn advance(&mut self) -> Result<Advance, WorldError> {
         let clock = Instant::now();
-        let due = [self.schedule.next(), self.planning.due(), self.world.next_recorded()];
+        let recorded = self.world.next_recorded();
+        self.recorded = recorded.is_some();
+        let due = [self.schedule.next(), self.planning.due(), recorded];
         let next = due.into_iter().flatten().min().unwrap_or(Time::MAX).max(self.now);
         let advanced = self.world.advance(next);
         if let Ok(Advance::Reached(now)) = advanced {
@@ -138,7 +147,9 @@ impl Engine {
         self.n_new = 0;
         for idx in 0..self.sensors.len() {
             let SensorSeat { seat, inputs } = &mut self.sensors[idx];
-            if !seat.is_due(&mut self.schedule, &self.ring, self.now) {
+            // In a recording a sensor is due at the recorded stamps, whatever its rate.
+            if !(seat.is_due(&mut self.schedule, &self.ring, self.now) || self.recorded && inputs.is_empty())
+            {
                 continue;
             }
             let (mut cx, read) = (Cx { now: self.now, trace: &self.trace }, self.ring.cursor());
@@ -386,6 +397,9 @@ impl Engine {
         if localizing || matches!(state, State::NoMap | State::Lost) {
             self.localization.finder.cursor = newest;
         }
+        if matches!(state, State::NoMap | State::Lost | State::Localizing) {
+            self.builders.iter_mut().for_each(|seat| seat.cursor = newest);
+        }
         let steering = state == State::Navigating || (state == State::Waiting && self.wanders);
         if let Some(seat) = self.avoider.as_mut().filter(|_| !steering) {
             seat.cursor = newest;
@@ -410,6 +424,11 @@ impl Engine {
         flatten(&self.localization.estimate.map_from_odom) * self.track.now_at(self.now)
     }
 
+    /// From now on stages keep debug drawings and counters for observers.
+    pub fn watch(&mut self) {
+        self.trace = Trace::watched();
+    }
+
     /// The step as observers see it.
     pub fn view(&mut self) -> StepView<'_> {
         let map_from_base = self.map_from_base();
@@ -431,6 +450,8 @@ impl Engine {
             obstacles: self.navigator.memory.obstacles(),
             map: &self.map,
             drawings: &self.planning.drawings,
+            stage_drawings: &self.stage_drawings,
+            counters: &self.counters,
             events: &self.events,
             times: &self.times,
         }

@@ -32,7 +32,7 @@ macro_rules! params {
 
 params!(
     /// An endless floor with one wall across.
-    FloorParams { wall_x_m: f64 = 1e9, real_time: bool = false, drives: bool = true, ends_at_s: f64 = 1e9 }
+    FloorParams { wall_x_m: f64 = 1e9, real_time: bool = false, drives: bool = true, ends_at_s: f64 = 1e9, recorded_s: Vec<f64> = vec![] }
 );
 struct Floor {
     params: FloorParams,
@@ -122,6 +122,9 @@ impl World for Floor {
     }
     fn is_real_time(&self) -> bool {
         self.params.real_time
+    }
+    fn next_recorded(&self) -> Option<Time> {
+        self.params.recorded_s.iter().map(|s| Time::from_secs(*s)).find(|t| *t > self.now)
     }
 }
 rumbo_core::register_world!(FloorParams, "floor", "an endless floor");
@@ -473,6 +476,7 @@ impl Avoider for Beeline {
                 obstacles: vec![Obstacle { position, radius_m: 0.0, stamp: cx.now }],
             });
         }
+        cx.trace.count("beeline", end.coords.norm());
         let bearing = end.y.atan2(end.x);
         let forward = if bearing.abs() < 0.2 { 0.4 } else { 0.0 };
         Ok(Steering::Drive(Twist::new(forward, bearing.clamp(-0.5, 0.5))))

@@ -135,3 +135,30 @@ fn waypoints_off_the_map_are_named_before_anything_moves() {
         faults[0]
     );
 }
+
+#[test]
+fn on_a_recording_sensors_are_due_at_the_recorded_stamps() {
+    let mut pipeline = pipeline("recording");
+    pipeline.world = stage(Stage::World, "world", "floor", None, "recorded_s = [0.031, 0.2471]");
+    pipeline.sensors = vec![sensor("wheels", "wheels", 0.5, "")];
+    pipeline.localizer = Some(stage(Stage::Localizer, "recording", "reckoning", None, ""));
+    let mut engine = Engine::build(&pipeline).unwrap();
+    step_until(&mut engine, 0.3);
+    let seen = doubles::logged("recording").join(" ");
+    assert!(seen.contains("odometry:0@31 ") && seen.contains("odometry:0@247"), "{seen}");
+}
+
+#[test]
+fn a_watched_engine_shows_drawings_and_counters_and_an_unwatched_one_none() {
+    let mut engine = Engine::build(&pipeline("watched")).unwrap();
+    step_until(&mut engine, 0.5);
+    assert!(engine.view().drawings.is_empty() && engine.view().counters.is_empty());
+    let mut engine = Engine::build(&pipeline("watched")).unwrap();
+    engine.watch();
+    let mut n_counters = 0;
+    while engine.view().now.as_secs() < 0.5 {
+        engine.step();
+        n_counters += engine.view().counters.len();
+    }
+    assert_eq!((engine.view().drawings.len(), n_counters), (1, 6));
+}
