@@ -10,7 +10,7 @@ mod raster;
 mod section;
 
 pub use fault::{WorldFault, WorldFileError};
-pub use raster::{mapped_outlines, raster_map, segment_cells};
+pub use raster::{draw_mapped, mapped_outlines, raster_map, segment_cells};
 
 /// What a wall or box is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

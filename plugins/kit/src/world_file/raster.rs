@@ -35,13 +35,12 @@ pub fn segment_cells(from: [f64; 2], to: [f64; 2], margin: f64, mut visit: impl 
     }
 }
 
-/// Draws everything mapped into a grid that covers the bounds (or all outlines) and one cell around them.
-/// `None` when that takes more than `max_cells` cells.
+/// A blank map that covers the bounds (or all outlines) and one cell around them, with everything mapped drawn in it.
+/// `None` when that takes more than `max_cells` cells, or when there is nothing to cover.
 pub fn raster_map(scene: &WorldScene, resolution_m: f64, max_cells: u64) -> Option<MapImage> {
-    let outlines = mapped_outlines(scene);
     let mut bounds =
         scene.bounds.unwrap_or([f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY]);
-    for [x, y] in outlines.iter().flatten() {
+    for [x, y] in mapped_outlines(scene).iter().flatten() {
         bounds = [bounds[0].min(*x), bounds[1].min(*y), bounds[2].max(*x), bounds[3].max(*y)];
     }
     if !bounds.iter().all(|bound| bound.is_finite()) {
@@ -53,38 +52,42 @@ pub fn raster_map(scene: &WorldScene, resolution_m: f64, max_cells: u64) -> Opti
         return None;
     }
     let (width, height) = (width as usize, height as usize);
-    let origin = [bounds[0] - resolution_m, bounds[1] - resolution_m];
-    let mut map = MapImage {
-        width,
-        height,
-        resolution_m,
-        origin: [origin[0], origin[1], 0.0],
-        cells: vec![0; width * height],
-    };
+    let origin = [bounds[0] - resolution_m, bounds[1] - resolution_m, 0.0];
+    let mut map = MapImage { width, height, resolution_m, origin, cells: vec![0; width * height] };
+    draw_mapped(scene, &mut map);
+    Some(map)
+}
+
+/// Draws everything mapped as occupied cells; what lies beside the map is left out.
+pub fn draw_mapped(scene: &WorldScene, map: &mut MapImage) {
+    let [origin_x, origin_y, yaw] = map.origin;
+    let (sin, cos) = yaw.sin_cos();
     // The nudge keeps an edge that lies on a cell border, give or take rounding, in one row of cells.
-    let to_cells = |point: [f64; 2]| [0, 1].map(|axis| (point[axis] - origin[axis]) / resolution_m + 1e-9);
+    let to_cells = |[x, y]: [f64; 2]| {
+        let (x, y) = (x - origin_x, y - origin_y);
+        [cos * x + sin * y, cos * y - sin * x].map(|length_m| length_m / map.resolution_m + 1e-9)
+    };
+    let (width, height) = (map.width, map.height);
+    let cells = &mut map.cells;
     let mut fill = |col: i64, row: i64| {
         if (0..width as i64).contains(&col) && (0..height as i64).contains(&row) {
-            map.cells[row as usize * width + col as usize] = 100;
+            cells[row as usize * width + col as usize] = 100;
         }
     };
-    for &[from, to] in &outlines {
+    for [from, to] in mapped_outlines(scene) {
         segment_cells(to_cells(from), to_cells(to), 0.0, &mut fill);
     }
     for solid in scene.boxes.iter().filter(|solid| solid.mapped) {
-        let reach_m = solid.size[0].hypot(solid.size[1]) / 2.0;
-        let low = to_cells(solid.center.map(|center| center - reach_m)).map(|bound| bound.floor() as i64);
-        let high = to_cells(solid.center.map(|center| center + reach_m)).map(|bound| bound.floor() as i64);
-        let (sin, cos) = solid.yaw_rad.sin_cos();
-        for (row, col) in (low[1]..=high[1]).flat_map(|row| (low[0]..=high[0]).map(move |col| (row, col))) {
-            let x = origin[0] + (col as f64 + 0.5) * resolution_m - solid.center[0];
-            let y = origin[1] + (row as f64 + 0.5) * resolution_m - solid.center[1];
-            if (cos * x + sin * y).abs() <= solid.size[0] / 2.0
-                && (cos * y - sin * x).abs() <= solid.size[1] / 2.0
-            {
+        let center = to_cells(solid.center);
+        let half = solid.size.map(|edge| edge / 2.0 / map.resolution_m);
+        let reach = half[0].hypot(half[1]);
+        let range = |middle: f64| (middle - reach).floor() as i64..=(middle + reach).floor() as i64;
+        let (sin, cos) = (solid.yaw_rad - yaw).sin_cos();
+        for (row, col) in range(center[1]).flat_map(|row| range(center[0]).map(move |col| (row, col))) {
+            let (x, y) = (col as f64 + 0.5 - center[0], row as f64 + 0.5 - center[1]);
+            if (cos * x + sin * y).abs() <= half[0] && (cos * y - sin * x).abs() <= half[1] {
                 fill(col, row);
             }
         }
     }
-    Some(map)
 }
