@@ -2,6 +2,7 @@
 //!
 //! Read [`Engine::step`] first: it tells on one page how data flows from the sensors to the wheels.
 
+mod act;
 mod build;
 mod check;
 mod events;
@@ -12,14 +13,17 @@ mod navigator;
 mod observer;
 mod obstacles;
 mod odometry_track;
+mod orders;
 mod planning;
 mod ring;
 mod run;
 mod schedule;
 mod seat;
+mod sense;
 mod step;
 mod stop_zone;
 mod timing;
+mod view;
 mod watchdog;
 mod wish;
 

@@ -1,17 +1,13 @@
 //! From the first step to the last: orders, ends, shutdown.
 
-use super::events::{Event, EventKind};
-use super::navigator::{Order, Outcome, State};
+use super::navigator::Outcome;
 use super::observer::Observer;
 use super::step::{Engine, Stepped};
 use super::watchdog::Watchdog;
-use crate::frames::{Point2, Twist, pose2};
-use crate::map::Map;
-use crate::messages::{Check, Command, Goal, Prior};
-use crate::pipeline::{InitialPose, Pipeline, WellKnownPose};
+use crate::frames::Twist;
+use crate::messages::Command;
 use crate::stages::World;
 use crate::time::Span;
-use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -84,113 +80,6 @@ impl RunEnd {
 impl Engine {
     /// End of a run that has neither mission nor duration, seconds.
     const DEFAULT_DURATION_S: f64 = 60.0;
-
-    /// The orders that a pipeline gives by itself at the start.
-    pub(super) fn first_orders(pipeline: &Pipeline, world: &dyn World) -> Vec<Order> {
-        let mission = &pipeline.mission;
-        let deviation = Vector3::new(
-            mission.initial_deviation_m,
-            mission.initial_deviation_m,
-            mission.initial_deviation_deg.to_radians(),
-        );
-        let covariance = Matrix3::from_diagonal(&deviation.component_mul(&deviation));
-        let start = match mission.initial_pose {
-            InitialPose::Pose { x_m, y_m, yaw_deg } => Some(pose2(x_m, y_m, yaw_deg.to_radians())),
-            InitialPose::WellKnown(WellKnownPose::World) => world.start(),
-            InitialPose::WellKnown(WellKnownPose::Unknown) => None,
-        };
-        vec![start.map_or(Order::Localize, |map_from_base| Order::SetPose { map_from_base, covariance })]
-    }
-
-    /// The waypoints as goals.
-    pub(super) fn mission_goals(pipeline: &Pipeline) -> Vec<Goal> {
-        let goal = |w: &crate::pipeline::Waypoint| Goal {
-            position: Point2::new(w.x_m, w.y_m),
-            yaw_rad: w.yaw_deg.map(f64::to_radians),
-        };
-        pipeline.mission.waypoints.iter().map(goal).collect()
-    }
-
-    /// Takes an order; it is obeyed, or refused with an event, in the next step.
-    pub fn command(&mut self, order: Order) {
-        self.orders.push(order);
-    }
-
-    /// Obeys what was ordered, and what the mission itself wants next.
-    pub(super) fn obey(&mut self) {
-        if self.navigator.state == State::NoMap && self.needed_layers.iter().all(|layer| self.map.has(*layer))
-        {
-            self.navigator.enter(self.now, State::Lost, &mut self.events);
-        }
-        if !self.orders.is_empty() {
-            let orders = std::mem::take(&mut self.orders);
-            orders.into_iter().for_each(|order| self.obey_one(order));
-        }
-        if self.pending.is_empty() {
-            return;
-        }
-        match self.navigator.state {
-            State::Waiting => {
-                let goals = std::mem::take(&mut self.pending);
-                self.obey_one(Order::GoTo(goals));
-            }
-            State::Lost => self.obey_one(Order::Localize),
-            _ => {}
-        }
-    }
-
-    fn obey_one(&mut self, order: Order) {
-        let state = self.navigator.state;
-        let finite = match &order {
-            Order::GoTo(goals) => goals.iter().all(|goal| goal.check().is_ok()),
-            _ => true,
-        };
-        if !order.is_allowed(state) || !finite {
-            let kind = EventKind::Refused { command: order.name(), state };
-            return self.events.push(Event { stamp: self.now, kind });
-        }
-        match order {
-            Order::GoTo(goals) => self.navigator.go(self.now, goals, &mut self.events),
-            Order::SetPose { map_from_base, covariance } => {
-                let prior = Prior::Pose { map_from_base, odom_from_base: self.track.now(), covariance };
-                let (map, ring) = (&mut self.map, &self.ring);
-                let started = self.localization.start(&prior, map, ring, self.now, &mut self.events);
-                self.settle_search(started, State::Waiting);
-                if started {
-                    let odom = self.track.now();
-                    self.localization.estimate =
-                        crate::messages::Estimate::planar(self.now, map_from_base, odom, covariance);
-                }
-            }
-            Order::Localize => {
-                let (map, ring) = (&mut self.map, &self.ring);
-                let started = self.localization.search(map, ring, self.now, &mut self.events);
-                self.settle_search(started, State::Localizing);
-            }
-            Order::SetMap(map) => self.set_map(*map),
-            Order::Cancel => {
-                self.navigator.stop();
-                self.wish.clear();
-                let to = if state == State::Localizing { State::Lost } else { State::Waiting };
-                self.navigator.enter(self.now, to, &mut self.events);
-            }
-            Order::Shutdown => self.navigator.shutdown = true,
-        }
-    }
-
-    fn settle_search(&mut self, started: bool, to: State) {
-        self.failed |= !started;
-        self.wish.clear();
-        let to = if started { to } else { State::Lost };
-        self.navigator.enter(self.now, to, &mut self.events);
-    }
-
-    fn set_map(&mut self, map: Map) {
-        let version = self.map.version;
-        self.map = map;
-        self.map.version = version + 1;
-        self.navigator.enter(self.now, State::Lost, &mut self.events);
-    }
 
     /// Steps until the run ends, and shuts down. `interrupt` may be raised from outside at any time.
     pub fn run(&mut self, observers: &mut [&mut dyn Observer], interrupt: &AtomicBool) -> RunEnd {
