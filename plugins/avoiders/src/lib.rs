@@ -1,1 +1,4 @@
 //! Avoiders of Rumbo.
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod stop_and_replan;

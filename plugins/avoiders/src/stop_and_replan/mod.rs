@@ -1,0 +1,20 @@
+//! `stop_and_replan`: turn in place, drive straight, stop in front of what is not on the map and ask for a new path.
+//!
+//! Hernández Alamilla (2005), *navigation with natural landmarks*, chapter 6: turn-then-go control with three speeds
+//! up and down (6.1), the watch in front of the robot (6.2). Corrections and extensions are marked where they are.
+
+pub mod checkpoints;
+pub mod explained;
+pub mod front_watch;
+mod params;
+mod plugin;
+pub mod progress;
+pub mod sightings;
+pub mod speed_profile;
+pub mod turn_then_go;
+
+#[cfg(test)]
+mod tests;
+
+pub use params::StopAndReplanParams;
+pub use plugin::StopAndReplan;

@@ -1,0 +1,225 @@
+//! The avoider: control, watch, and when to stop and ask for a new path.
+
+use super::StopAndReplanParams;
+use super::front_watch::{Scene, WatchTuning};
+use super::progress::Progress;
+use super::sightings::{Sightings, Source};
+use super::turn_then_go::{Motion, TurnThenGo};
+use rumbo_core::frames::{Pose2, Twist, flatten, is_finite2};
+use rumbo_core::messages::{Check, MessageFault, ObservationKind};
+use rumbo_core::registry::{Manifest, Params, Plugin};
+use rumbo_core::robot::{DriveKind, Robot};
+use rumbo_core::stages::{AvoidError, AvoidInput, Avoider, BuildContext, BuildError, Cx, Steering};
+use rumbo_core::time::{Span, Time};
+
+/// See [`StopAndReplanParams`].
+#[derive(Debug)]
+pub struct StopAndReplan {
+    watch: WatchTuning,
+    control: TurnThenGo,
+    sightings: Sightings,
+    progress: Progress,
+    stale_after: Span,
+    /// How the stop distance grows with the speed; none where it does not.
+    braking: Option<Braking>,
+    /// Without any reading the robot waits since then.
+    waiting_since: Option<Time>,
+    following: Option<u64>,
+    /// The path is blocked, and this was said: the robot stands until another comes.
+    is_blocked: bool,
+}
+
+impl StopAndReplan {
+    /// Times a second that the avoider runs where nobody says how often.
+    pub const DEFAULT_RATE_HZ: f64 = 10.0;
+    /// Readings are kept this much farther than anything looks, for the way that the robot goes until the next, meters.
+    const MARGIN_M: f64 = 0.5;
+    /// The robot's velocity explains where it was at most this long ago.
+    const OLDEST_S: f64 = 1.0;
+
+    /// An avoider for this robot that is called `rate_hz` times a second.
+    pub fn new(params: &StopAndReplanParams, robot: &Robot, rate_hz: f64) -> StopAndReplan {
+        let params = params.effective();
+        let watch = params.watch(robot);
+        let looks_m =
+            [watch.stop_distance_m, watch.look_ahead_m, watch.insertion_range_m, watch.watched_width_m];
+        let fastest_m_s = robot.max_speed_m_s.min(params.linear_speeds_m_s[2]);
+        let farthest_m = looks_m.into_iter().fold(braking.distance_m(fastest_m_s), f64::max);
+        StopAndReplan {
+            watch,
+            control: TurnThenGo::new(params.tuning(robot, 1.0 / rate_hz)),
+            sightings: Sightings::new(farthest_m + Self::MARGIN_M),
+            progress: Progress::new(Span::from_secs(params.stuck_after_s)),
+            stale_after: Span::from_secs(params.stale_after_s),
+            braking: (!params.thesis_mode).then_some(braking),
+            waiting_since: None,
+            following: None,
+            is_blocked: false,
+        }
+    }
+
+    /// Takes in what the range sensors saw since the last call.
+    fn look(&mut self, now: Time, input: &AvoidInput<'_>, odom_from_base: &Pose2) {
+        for observation in input.seen.iter() {
+            let age_s = (now - observation.stamp).as_secs().clamp(0.0, Self::OLDEST_S);
+            let odom_from_base_then = odom_from_base * input.twist.integrate(-age_s);
+            self.sightings.see(observation, &odom_from_base_then);
+        }
+    }
+
+    /// Follows the path of the input; false where there is nothing to follow.
+    fn follows_a_path(&mut self, now: Time, input: &AvoidInput<'_>) -> bool {
+        let Some(path) = input.path else {
+            self.following = None;
+            return false;
+        };
+        if self.following != Some(input.path_number) {
+            self.following = Some(input.path_number);
+            self.is_blocked = false;
+            self.control.follow(now, path, &input.map_from_base);
+        }
+        !self.is_blocked
+    }
+
+    /// Every sensor that ever gave a reading still does; false while the first is waited for.
+    fn has_fresh_readings(&mut self, now: Time) -> Result<bool, AvoidError> {
+        if let Some(oldest) = self.sightings.iter().min_by_key(|sighting| sighting.stamp) {
+            let age = now - oldest.stamp;
+            let kind = match oldest.source {
+                Source::Laser => "laser scan",
+                Source::Sonar { .. } => "range ring",
+            };
+            return if age > self.stale_after {
+                Err(AvoidError::NoReading { kind, age_s: age.as_secs() })
+            } else {
+                Ok(true)
+            };
+        }
+        let waiting = now - *self.waiting_since.get_or_insert(now);
+        if waiting > self.stale_after {
+            return Err(AvoidError::NoReading { kind: "laser scan or range ring", age_s: waiting.as_secs() });
+        }
+        Ok(false)
+    }
+
+    fn turn(&mut self, now: Time, rate: f64, scene: &Scene<'_>) -> Steering {
+        let twist = Twist::new(0.0, rate);
+        if self.progress.is_stuck(now, twist, &scene.odom_from_base) {
+            return self.block(scene, self.watch.stop_distance_m);
+        }
+        Steering::Drive(twist)
+    }
+
+    fn ahead(
+        &mut self,
+        now: Time,
+        twist: Twist,
+        left_m: f64,
+        input: &AvoidInput<'_>,
+        scene: &Scene<'_>,
+    ) -> Result<Steering, AvoidError> {
+        if !self.has_fresh_readings(now)? {
+            self.progress.rest();
+            return Ok(Steering::Drive(Twist::ZERO));
+        }
+        let brakes_m = self.braking.map_or(0.0, |braking| braking.distance_m(input.twist.forward_m_s));
+        let stop_distance_m = self.watch.stop_distance_m.max(brakes_m);
+        let in_the_way = self.watch.is_in_danger(&self.sightings, scene, stop_distance_m)
+            || self.watch.is_way_closed(&self.sightings, scene, left_m);
+        if in_the_way || self.progress.is_stuck(now, twist, &scene.odom_from_base) {
+            return Ok(self.block(scene, stop_distance_m));
+        }
+        Ok(Steering::Drive(twist))
+    }
+
+    fn block(&mut self, scene: &Scene<'_>, stop_distance_m: f64) -> Steering {
+        self.is_blocked = true;
+        self.progress.rest();
+        Steering::Blocked { obstacles: self.watch.unexpected(&self.sightings, scene, stop_distance_m) }
+    }
+}
+
+/// What a stop needs: the guard's own distance.
+#[derive(Debug, Clone, Copy)]
+struct Braking {
+    standing_m: f64,
+    latency_s: f64,
+    braking_m_s2: f64,
+}
+
+impl Braking {
+    /// Beyond the guard's distance, so that the avoider stops first, meters.
+    const TO_SPARE_M: f64 = 0.02;
+
+    fn of(robot: &Robot) -> Braking {
+        Braking {
+            standing_m: robot.hull().outer_radius_m() + robot.guard.margin_m + Self::TO_SPARE_M,
+            latency_s: robot.guard.latency_s,
+            braking_m_s2: robot.braking_m_s2,
+        }
+    }
+
+    /// From the base to what a stop at this speed just does not touch.
+    fn distance_m(&self, speed_m_s: f64) -> f64 {
+        self.standing_m + speed_m_s.powi(2) / (2.0 * self.braking_m_s2) + speed_m_s.abs() * self.latency_s
+    }
+}
+
+impl Avoider for StopAndReplan {
+    fn steer(&mut self, cx: &mut Cx<'_>, input: &AvoidInput<'_>) -> Result<Steering, AvoidError> {
+        if !is_finite2(&input.map_from_base) {
+            let found = format!("{}", input.map_from_base);
+            let (message, field, expected) = ("avoid_input", "map_from_base", "finite numbers");
+            return Err(MessageFault { message, field, found, expected }.into());
+        }
+        input.twist.check()?;
+        let map_from_odom = flatten(&input.estimate.map_from_odom);
+        let scene = Scene {
+            odom_from_base: map_from_odom.inverse() * input.map_from_base,
+            map_from_base: input.map_from_base,
+            grid: input.grid,
+        };
+        self.look(cx.now, input, &scene.odom_from_base);
+        if !self.follows_a_path(cx.now, input) {
+            self.progress.rest();
+            return Ok(Steering::Drive(Twist::ZERO));
+        }
+        match self.control.steer(cx.now, &input.map_from_base, input.twist, input.arrival_radius_m) {
+            Motion::Stand => {
+                self.progress.rest();
+                Ok(Steering::Drive(Twist::ZERO))
+            }
+            Motion::Turn(rate) => Ok(self.turn(cx.now, rate, &scene)),
+            Motion::Ahead { twist, left_m } => self.ahead(cx.now, twist, left_m, input, &scene),
+            Motion::Arrived => Ok(Steering::Arrived),
+        }
+    }
+}
+
+impl Params for StopAndReplanParams {
+    fn check(&self) -> Vec<BuildError> {
+        self.faults()
+    }
+}
+
+impl Plugin<dyn Avoider> for StopAndReplanParams {
+    fn manifest(&self) -> Manifest {
+        Manifest {
+            consumes: vec![vec![ObservationKind::LaserScan, ObservationKind::RangeRing]],
+            drives: vec![DriveKind::Differential, DriveKind::Omnidirectional],
+            default_rate_hz: Some(StopAndReplan::DEFAULT_RATE_HZ),
+            ..Manifest::default()
+        }
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Avoider>, BuildError> {
+        let rate_hz = context.rate_hz.filter(|rate| *rate > 0.0).unwrap_or(StopAndReplan::DEFAULT_RATE_HZ);
+        Ok(Box::new(StopAndReplan::new(self, &context.robot, rate_hz)))
+    }
+}
+
+rumbo_core::register_avoider!(
+    StopAndReplanParams,
+    "stop_and_replan",
+    "turns in place, drives straight, stops in front of obstacles and asks for a new path"
+);

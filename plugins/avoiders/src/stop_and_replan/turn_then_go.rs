@@ -1,0 +1,288 @@
+//! Turn-then-go control: stop, turn in place to the next checkpoint, drive straight, stop at every checkpoint, and at
+//! the last one turn to the wanted heading (Hernández Alamilla 2005, section 6.1, equations 6.1 and 6.2).
+//!
+//! Progress is measured on the robot's estimated pose, so an estimate that moves does no harm: a movement ends where
+//! the estimate says, and is repeated from there when it missed.
+
+use super::checkpoints::{first_target, keep_corners};
+use super::speed_profile::SpeedProfile;
+use rumbo_core::frames::{Point2, Pose2, Twist, wrap_angle};
+use rumbo_core::messages::Path;
+use rumbo_core::time::{Span, Time};
+use std::f64::consts::{PI, TAU};
+
+/// Numbers of the control, radians and meters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tuning {
+    /// Speeds along a straight piece.
+    pub straight: SpeedProfile,
+    /// Speeds of a turn.
+    pub turn: SpeedProfile,
+    /// Time from one command to the next, seconds.
+    pub period_s: f64,
+    /// Deceleration of the straight speed that the robot surely follows, m/s².
+    pub slowing_m_s2: f64,
+    /// Deceleration of the turn that the robot surely follows, rad/s².
+    pub slowing_rad_s2: f64,
+    /// A checkpoint nearer than this is reached, meters.
+    pub checkpoint_radius_m: f64,
+    /// A heading nearer than this is reached, radians.
+    pub heading_tolerance_rad: f64,
+    /// Heading errors beyond this stop the robot for another turn, radians.
+    pub max_heading_error_rad: f64,
+    /// Distances from the straight piece beyond this stop the robot for another turn, meters.
+    pub max_lateral_error_m: f64,
+    /// Heading correction while driving, rad/s per radian of error; zero for none.
+    pub heading_gain_per_s: f64,
+    /// Path points this near to a straight piece are no checkpoints, meters.
+    pub merge_within_m: f64,
+}
+
+/// What the wheels shall do until the next call.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Motion {
+    /// Stand.
+    Stand,
+    /// Turn in place at this rate, rad/s.
+    Turn(f64),
+    /// Drive ahead, with a slight correction of the heading.
+    Ahead {
+        /// The velocity.
+        twist: Twist,
+        /// Way left to the checkpoint, meters.
+        left_m: f64,
+    },
+    /// The path's end is reached.
+    Arrived,
+}
+
+/// A straight piece on its way.
+#[derive(Debug, Clone, Copy)]
+struct Straight {
+    from: Point2,
+    heading_rad: f64,
+    length_m: f64,
+    /// The checkpoint was within its radius at some time: noise of the estimate must not undo this.
+    touched: bool,
+    /// Calls in a row that saw the robot off its course.
+    n_off_course: u32,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Phase {
+    /// Coming to a stop before the next movement.
+    Stopping {
+        since: Time,
+    },
+    /// `left_rad` keeps counting through the half turn; `side` is 1 for counter-clockwise, -1 for clockwise.
+    Turning {
+        heading_rad: f64,
+        left_rad: f64,
+        side: f64,
+        length_rad: f64,
+    },
+    Driving(Straight),
+    Arrived,
+}
+
+/// The controller with the path that it follows.
+#[derive(Debug)]
+pub struct TurnThenGo {
+    tuning: Tuning,
+    corners: Vec<Point2>,
+    target: usize,
+    final_heading_rad: Option<f64>,
+    /// The end of the path was reached; only the final heading is left.
+    at_end: bool,
+    /// Turns made for one movement: each widens the tolerance, so that a noisy estimate cannot make it endless.
+    n_turns: u32,
+    phase: Phase,
+}
+
+/// The smaller of both turns, clockwise where they are equal (equation 6.1).
+pub fn smaller_turn(from_rad: f64, to_rad: f64) -> f64 {
+    let turn = wrap_angle(to_rad - from_rad);
+    // Half turns that rounding put on the other side.
+    if turn > PI - 1e-9 { turn - TAU } else { turn }
+}
+
+impl TurnThenGo {
+    /// So many calls in a row must see the robot off its course: one may be noise.
+    const OFF_COURSE_CALLS: u32 = 3;
+    /// A stop that takes longer is taken for done: the odometer may see motion that is none.
+    const STOP_LIMIT: Span = Span(1_000_000_000);
+    /// Slower than this is standing, m/s.
+    const STANDING_M_S: f64 = 0.01;
+    /// Slower than this is standing, rad/s.
+    const STANDING_RAD_S: f64 = 0.02;
+    /// The correction while driving aims this far ahead on the straight piece, meters.
+    const AIM_M: f64 = 0.5;
+
+    /// A controller without a path.
+    pub fn new(tuning: Tuning) -> TurnThenGo {
+        let phase = Phase::Arrived;
+        let corners = Vec::with_capacity(256);
+        TurnThenGo { tuning, corners, target: 0, final_heading_rad: None, at_end: false, n_turns: 0, phase }
+    }
+
+    /// Takes on a new path.
+    pub fn follow(&mut self, now: Time, path: &Path, map_from_base: &Pose2) {
+        keep_corners(path.points(), self.tuning.merge_within_m, &mut self.corners);
+        let position = Point2::from(map_from_base.translation.vector);
+        self.target = first_target(&self.corners, position, self.tuning.max_lateral_error_m);
+        self.final_heading_rad = path.end().yaw_rad;
+        self.at_end = false;
+        self.n_turns = 0;
+        self.phase = Phase::Stopping { since: now };
+    }
+
+    /// The checkpoint that the robot goes to.
+    pub fn checkpoint(&self) -> Option<Point2> {
+        self.corners.get(self.target).copied()
+    }
+
+    /// What to do until the next call.
+    pub fn steer(&mut self, now: Time, map_from_base: &Pose2, twist: Twist, arrival_radius_m: f64) -> Motion {
+        let position = Point2::from(map_from_base.translation.vector);
+        let yaw_rad = map_from_base.rotation.angle();
+        if let Phase::Stopping { since } = self.phase {
+            let moves =
+                twist.speed_m_s() > Self::STANDING_M_S || twist.turn_rad_s.abs() > Self::STANDING_RAD_S;
+            if moves && now - since < Self::STOP_LIMIT {
+                return Motion::Stand;
+            }
+            self.phase = self.next_movement(position, yaw_rad, arrival_radius_m);
+        }
+        match self.phase {
+            Phase::Stopping { .. } => Motion::Stand,
+            Phase::Arrived => Motion::Arrived,
+            Phase::Turning { heading_rad, left_rad, side, length_rad } => {
+                let left_rad = left_rad + wrap_angle(smaller_turn(yaw_rad, heading_rad) - left_rad);
+                self.turn(now, heading_rad, left_rad, (side, length_rad))
+            }
+            Phase::Driving(straight) => self.drive(now, straight, position, yaw_rad, arrival_radius_m),
+        }
+    }
+
+    /// Distance at which the present checkpoint counts as reached.
+    fn radius_m(&self, arrival_radius_m: f64) -> f64 {
+        if self.target + 1 >= self.corners.len() { arrival_radius_m } else { self.tuning.checkpoint_radius_m }
+    }
+
+    fn next_movement(&mut self, position: Point2, yaw_rad: f64, arrival_radius_m: f64) -> Phase {
+        while !self.at_end {
+            let Some(checkpoint) = self.checkpoint() else { return Phase::Arrived };
+            let to_checkpoint = checkpoint - position;
+            let length_m = to_checkpoint.norm();
+            if length_m <= self.radius_m(arrival_radius_m) {
+                self.reached();
+                continue;
+            }
+            let heading_rad = to_checkpoint.y.atan2(to_checkpoint.x);
+            return self.turn_to(yaw_rad, heading_rad).unwrap_or(Phase::Driving(Straight {
+                from: position,
+                heading_rad,
+                length_m,
+                touched: false,
+                n_off_course: 0,
+            }));
+        }
+        self.final_heading_rad.and_then(|heading| self.turn_to(yaw_rad, heading)).unwrap_or(Phase::Arrived)
+    }
+
+    /// On to the next checkpoint.
+    fn reached(&mut self) {
+        self.n_turns = 0;
+        if self.target + 1 >= self.corners.len() {
+            self.at_end = true;
+        } else {
+            self.target += 1;
+        }
+    }
+
+    /// The turn to a heading; none where the robot has it already.
+    fn turn_to(&mut self, yaw_rad: f64, heading_rad: f64) -> Option<Phase> {
+        let left_rad = smaller_turn(yaw_rad, heading_rad);
+        let widened_rad = self.tuning.heading_tolerance_rad * f64::from(1 + self.n_turns);
+        let most_rad = self.tuning.max_heading_error_rad.max(self.tuning.heading_tolerance_rad);
+        if left_rad.abs() <= widened_rad.min(most_rad) {
+            self.n_turns = 0;
+            return None;
+        }
+        self.n_turns += 1;
+        let (side, length_rad) = (left_rad.signum(), left_rad.abs());
+        Some(Phase::Turning { heading_rad, left_rad, side, length_rad })
+    }
+
+    fn turn(&mut self, now: Time, heading_rad: f64, left_rad: f64, (side, length_rad): (f64, f64)) -> Motion {
+        let t = &self.tuning;
+        let to_go_rad = left_rad * side;
+        if to_go_rad <= t.turn.levels[0] * t.period_s / 4.0 {
+            self.phase = Phase::Stopping { since: now };
+            return Motion::Stand;
+        }
+        let rate = ending_speed(&t.turn, to_go_rad, length_rad, t.slowing_rad_s2, t.period_s);
+        self.phase = Phase::Turning { heading_rad, left_rad, side, length_rad };
+        Motion::Turn(side * rate)
+    }
+
+    fn drive(
+        &mut self,
+        now: Time,
+        mut straight: Straight,
+        position: Point2,
+        yaw_rad: f64,
+        arrival_radius_m: f64,
+    ) -> Motion {
+        let t = self.tuning;
+        let Some(checkpoint) = self.checkpoint() else { return Motion::Arrived };
+        let (sin, cos) = straight.heading_rad.sin_cos();
+        let done = position - straight.from;
+        let left_m = straight.length_m - (done.x * cos + done.y * sin);
+        let lateral_m = done.y * cos - done.x * sin;
+        let distance_m = (checkpoint - position).norm();
+        let radius_m = self.radius_m(arrival_radius_m);
+        straight.touched |= distance_m <= radius_m;
+        if left_m <= t.straight.levels[0] * t.period_s / 4.0 {
+            if distance_m <= radius_m || (straight.touched && distance_m <= 2.0 * radius_m) {
+                self.reached();
+            }
+            self.phase = Phase::Stopping { since: now };
+            return Motion::Stand;
+        }
+        let speed = ending_speed(&t.straight, left_m, straight.length_m, t.slowing_m_s2, t.period_s);
+        let aim_m = self.aim_m(speed, left_m);
+        let error_rad = wrap_angle(straight.heading_rad - (lateral_m / aim_m).atan() - yaw_rad);
+        // A heading error matters by the miss it leads to: near the checkpoint every small offset is a large angle.
+        let misses = error_rad.abs() > t.max_heading_error_rad
+            && aim_m * error_rad.sin().abs() > t.checkpoint_radius_m;
+        let off_course = lateral_m.abs() > t.max_lateral_error_m || misses;
+        straight.n_off_course = if off_course { straight.n_off_course + 1 } else { 0 };
+        if straight.n_off_course >= Self::OFF_COURSE_CALLS {
+            self.phase = Phase::Stopping { since: now };
+            return Motion::Stand;
+        }
+        self.phase = Phase::Driving(straight);
+        let most = t.turn.levels[0];
+        let turn_rad_s = (t.heading_gain_per_s * error_rad).clamp(-most, most);
+        Motion::Ahead { twist: Twist::new(speed, turn_rad_s), left_m }
+    }
+
+    /// How far ahead on the straight piece the robot should look: at the checkpoint itself, or nearer for a correction
+    /// that neither swings (damping of at least 0.8 with the gain) nor lags.
+    fn aim_m(&self, speed_m_s: f64, left_m: f64) -> f64 {
+        let gain = self.tuning.heading_gain_per_s;
+        let nearest_m = self.tuning.checkpoint_radius_m.max(1e-3);
+        let aim_m = if gain > 0.0 { Self::AIM_M.max(4.0 * speed_m_s / gain).min(left_m) } else { left_m };
+        aim_m.max(nearest_m)
+    }
+}
+
+/// The profile's speed, but not more than still stops in time, and in the last period just enough to end exactly.
+fn ending_speed(profile: &SpeedProfile, left: f64, length: f64, slowing: f64, period_s: f64) -> f64 {
+    let stops_in_time = (2.0 * slowing * left).sqrt();
+    profile.speed(length - left, length).min(stops_in_time).min(left / period_s)
+}
+
+#[cfg(test)]
+mod tests;
