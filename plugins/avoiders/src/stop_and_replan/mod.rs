@@ -11,6 +11,7 @@ mod plugin;
 pub mod progress;
 pub mod sightings;
 pub mod speed_profile;
+mod straight;
 pub mod turn_then_go;
 
 #[cfg(test)]

@@ -52,7 +52,7 @@ pub struct StopAndReplanParams {
     /// An expected sonar echo in the robot's way nearer than this stops it, meters.
     pub hard_limit_sonar_m: f64,
     /// An unexpected obstacle in the way to the next checkpoint is noticed this far ahead, meters; 0 for only at
-    /// `stop_distance_m`.
+    /// `stop_distance_m`. Less than `insertion_range_m`, so that what is noticed is reported with its sides.
     pub look_ahead_m: f64,
     /// Unexpected laser hits up to this far are reported as obstacles, meters.
     pub insertion_range_m: f64,
@@ -87,7 +87,7 @@ impl Default for StopAndReplanParams {
             expected_within_m: 0.10,
             hard_limit_laser_m: 0.23,
             hard_limit_sonar_m: 0.05,
-            look_ahead_m: 1.0,
+            look_ahead_m: 0.7,
             insertion_range_m: 1.0,
             insertion_width_m: 2.0,
             stale_after_s: 1.0,

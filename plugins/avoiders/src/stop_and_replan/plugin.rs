@@ -22,8 +22,9 @@ pub struct StopAndReplan {
     stale_after: Span,
     /// How the stop distance grows with the speed; none where it does not.
     braking: Option<Braking>,
-    /// Without any reading the robot waits since then.
-    waiting_since: Option<Time>,
+    /// Fresh readings can be expected since then.
+    listening_since: Option<Time>,
+    last_call: Option<Time>,
     following: Option<u64>,
     /// The path is blocked, and this was said: the robot stands until another comes.
     is_blocked: bool,
@@ -41,6 +42,7 @@ impl StopAndReplan {
     pub fn new(params: &StopAndReplanParams, robot: &Robot, rate_hz: f64) -> StopAndReplan {
         let params = params.effective();
         let watch = params.watch(robot);
+        let braking = Braking::of(robot);
         let looks_m =
             [watch.stop_distance_m, watch.look_ahead_m, watch.insertion_range_m, watch.watched_width_m];
         let fastest_m_s = robot.max_speed_m_s.min(params.linear_speeds_m_s[2]);
@@ -52,7 +54,8 @@ impl StopAndReplan {
             progress: Progress::new(Span::from_secs(params.stuck_after_s)),
             stale_after: Span::from_secs(params.stale_after_s),
             braking: (!params.thesis_mode).then_some(braking),
-            waiting_since: None,
+            listening_since: None,
+            last_call: None,
             following: None,
             is_blocked: false,
         }
@@ -81,25 +84,32 @@ impl StopAndReplan {
         !self.is_blocked
     }
 
+    /// Notes that nobody asked for long: what the sensors said meanwhile was not heard.
+    fn listen(&mut self, now: Time) {
+        let was_asked = self.last_call.is_some_and(|last| now - last <= self.stale_after);
+        if !was_asked {
+            self.listening_since = Some(now);
+        }
+        self.last_call = Some(now);
+    }
+
     /// Every sensor that ever gave a reading still does; false while the first is waited for.
-    fn has_fresh_readings(&mut self, now: Time) -> Result<bool, AvoidError> {
-        if let Some(oldest) = self.sightings.iter().min_by_key(|sighting| sighting.stamp) {
-            let age = now - oldest.stamp;
-            let kind = match oldest.source {
-                Source::Laser => "laser scan",
-                Source::Sonar { .. } => "range ring",
-            };
-            return if age > self.stale_after {
-                Err(AvoidError::NoReading { kind, age_s: age.as_secs() })
-            } else {
-                Ok(true)
-            };
+    fn has_fresh_readings(&self, now: Time) -> Result<bool, AvoidError> {
+        let oldest = self.sightings.iter().min_by_key(|sighting| sighting.stamp);
+        if oldest.is_some_and(|sighting| now - sighting.stamp <= self.stale_after) {
+            return Ok(true);
         }
-        let waiting = now - *self.waiting_since.get_or_insert(now);
-        if waiting > self.stale_after {
-            return Err(AvoidError::NoReading { kind: "laser scan or range ring", age_s: waiting.as_secs() });
+        let since = self.listening_since.unwrap_or(now);
+        if now - since <= self.stale_after {
+            return Ok(false);
         }
-        Ok(false)
+        let kind = match oldest.map(|sighting| sighting.source) {
+            None => "laser scan or range ring",
+            Some(Source::Laser) => "laser scan",
+            Some(Source::Sonar { .. }) => "range ring",
+        };
+        let age_s = (now - oldest.map_or(since, |sighting| sighting.stamp)).as_secs();
+        Err(AvoidError::NoReading { kind, age_s })
     }
 
     fn turn(&mut self, now: Time, rate: f64, scene: &Scene<'_>) -> Steering {
@@ -173,6 +183,7 @@ impl Avoider for StopAndReplan {
             return Err(MessageFault { message, field, found, expected }.into());
         }
         input.twist.check()?;
+        self.listen(cx.now);
         let map_from_odom = flatten(&input.estimate.map_from_odom);
         let scene = Scene {
             odom_from_base: map_from_odom.inverse() * input.map_from_base,

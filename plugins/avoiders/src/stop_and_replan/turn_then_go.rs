@@ -6,6 +6,7 @@
 
 use super::checkpoints::{first_target, keep_corners};
 use super::speed_profile::SpeedProfile;
+use super::straight::{Place, Straight};
 use rumbo_core::frames::{Point2, Pose2, Twist, wrap_angle};
 use rumbo_core::messages::Path;
 use rumbo_core::time::{Span, Time};
@@ -54,18 +55,6 @@ pub enum Motion {
     },
     /// The path's end is reached.
     Arrived,
-}
-
-/// A straight piece on its way.
-#[derive(Debug, Clone, Copy)]
-struct Straight {
-    from: Point2,
-    heading_rad: f64,
-    length_m: f64,
-    /// The checkpoint was within its radius at some time: noise of the estimate must not undo this.
-    touched: bool,
-    /// Calls in a row that saw the robot off its course.
-    n_off_course: u32,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -125,7 +114,7 @@ impl TurnThenGo {
         TurnThenGo { tuning, corners, target: 0, final_heading_rad: None, at_end: false, n_turns: 0, phase }
     }
 
-    /// Takes on a new path.
+    /// Takes on a new path. A robot that drives towards its first checkpoint already does not stop for it.
     pub fn follow(&mut self, now: Time, path: &Path, map_from_base: &Pose2) {
         keep_corners(path.points(), self.tuning.merge_within_m, &mut self.corners);
         let position = Point2::from(map_from_base.translation.vector);
@@ -133,7 +122,21 @@ impl TurnThenGo {
         self.final_heading_rad = path.end().yaw_rad;
         self.at_end = false;
         self.n_turns = 0;
-        self.phase = Phase::Stopping { since: now };
+        self.phase = match self.phase {
+            Phase::Driving(straight) => self.continued(&straight, position).map(Phase::Driving),
+            _ => None,
+        }
+        .unwrap_or(Phase::Stopping { since: now });
+    }
+
+    fn continued(&self, straight: &Straight, position: Point2) -> Option<Straight> {
+        let renewed = Straight::between(straight.from, self.checkpoint()?);
+        let bend_rad = wrap_angle(renewed.heading_rad - straight.heading_rad);
+        let place = renewed.place_of(position);
+        let fits = bend_rad.abs() <= self.tuning.heading_tolerance_rad
+            && place.lateral_m.abs() <= self.tuning.checkpoint_radius_m
+            && place.left_m > 0.0;
+        fits.then_some(renewed)
     }
 
     /// The checkpoint that the robot goes to.
@@ -172,20 +175,11 @@ impl TurnThenGo {
     fn next_movement(&mut self, position: Point2, yaw_rad: f64, arrival_radius_m: f64) -> Phase {
         while !self.at_end {
             let Some(checkpoint) = self.checkpoint() else { return Phase::Arrived };
-            let to_checkpoint = checkpoint - position;
-            let length_m = to_checkpoint.norm();
-            if length_m <= self.radius_m(arrival_radius_m) {
-                self.reached();
-                continue;
+            let straight = Straight::between(position, checkpoint);
+            if straight.length_m > self.radius_m(arrival_radius_m) {
+                return self.turn_to(yaw_rad, straight.heading_rad).unwrap_or(Phase::Driving(straight));
             }
-            let heading_rad = to_checkpoint.y.atan2(to_checkpoint.x);
-            return self.turn_to(yaw_rad, heading_rad).unwrap_or(Phase::Driving(Straight {
-                from: position,
-                heading_rad,
-                length_m,
-                touched: false,
-                n_off_course: 0,
-            }));
+            self.reached();
         }
         self.final_heading_rad.and_then(|heading| self.turn_to(yaw_rad, heading)).unwrap_or(Phase::Arrived)
     }
@@ -236,10 +230,7 @@ impl TurnThenGo {
     ) -> Motion {
         let t = self.tuning;
         let Some(checkpoint) = self.checkpoint() else { return Motion::Arrived };
-        let (sin, cos) = straight.heading_rad.sin_cos();
-        let done = position - straight.from;
-        let left_m = straight.length_m - (done.x * cos + done.y * sin);
-        let lateral_m = done.y * cos - done.x * sin;
+        let Place { left_m, lateral_m } = straight.place_of(position);
         let distance_m = (checkpoint - position).norm();
         let radius_m = self.radius_m(arrival_radius_m);
         straight.touched |= distance_m <= radius_m;

@@ -224,7 +224,7 @@ fn random_path(rng: &mut Rng) -> (Pose2, Path) {
     let (mut x, mut y) = (start.translation.x, start.translation.y);
     let mut points = vec![(x, y)];
     for _ in 0..rng.random_range(1..6) {
-        let (length_m, heading) = (rng.random_range(0.06..2.5), rng.random_range(-3.14..3.14f64));
+        let (length_m, heading) = (rng.random_range(0.06..2.5), rng.random_range(-3.1..3.1f64));
         x += length_m * heading.cos();
         y += length_m * heading.sin();
         points.push((x, y));
