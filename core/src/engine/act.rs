@@ -2,7 +2,7 @@
 
 use super::events::{Event, EventKind};
 use super::guard;
-use super::navigator::State;
+use super::order::State;
 use super::planning;
 use super::ring::Filter;
 use super::step::Engine;

@@ -1,23 +1,20 @@
 //! From a pipeline to an engine.
 
 use super::guard::Guard;
-use super::localization::{Finder, Localization};
 use super::navigator::Navigator;
 use super::odometry_track::OdometryTrack;
-use super::planning::{PlannerSeat, Planning};
 use super::ring::Ring;
-use super::schedule::{Schedule, TaskId};
-use super::seat::Seat;
-use super::sense::SensorSeat;
+use super::schedule::Schedule;
+use super::seats::{localization, odometer, planning, seat, sensors, task, watched};
 use super::step::Engine;
 use super::wish::WishMotion;
-use crate::frames::{Pose2, Pose3};
+use crate::frames::Pose3;
 use crate::map::Map;
-use crate::messages::{Command, Estimate, ObservationKind, Observations, Prior, SensorId};
+use crate::messages::{Command, Observations, SensorId};
 use crate::pipeline::{Pipeline, Rate, StageSpec};
 use crate::registry::Built;
 use crate::stages::{Background, BuildContext, BuildError, GiveUp, Localizer, World};
-use crate::time::{Span, Time};
+use crate::time::Span;
 use crate::trace::Trace;
 use std::path::PathBuf;
 
@@ -35,12 +32,10 @@ pub struct EngineError {
 const RING: usize = 4096;
 /// Control rate when the pipeline does not say.
 const CONTROL: Rate = Rate::Hz(10.0);
-/// Rate of a sensor when neither the pipeline nor its plugin says.
-const SENSOR: Rate = Rate::Hz(10.0);
 
 /// Builds stages one after the other.
-struct Builder<'p> {
-    pipeline: &'p Pipeline,
+pub(super) struct Builder<'p> {
+    pub(super) pipeline: &'p Pipeline,
     world_map: Option<PathBuf>,
     real_time: bool,
     dry_run: bool,
@@ -64,16 +59,19 @@ impl Builder<'_> {
         }
     }
 
-    fn background(&self, spec: &StageSpec) -> Background {
+    pub(super) fn background(&self, spec: &StageSpec) -> Background {
         let place = if self.real_time { Background::threaded() } else { Background::inline(spec.latency) };
         place.under(&self.abort)
     }
 
-    fn stage<T: TryFrom<Built, Error = BuildError>>(&self, spec: &StageSpec) -> Result<T, EngineError> {
+    pub(super) fn stage<T: TryFrom<Built, Error = BuildError>>(
+        &self,
+        spec: &StageSpec,
+    ) -> Result<T, EngineError> {
         self.mounted(spec, SensorId(0), Pose3::identity())
     }
 
-    fn mounted<T: TryFrom<Built, Error = BuildError>>(
+    pub(super) fn mounted<T: TryFrom<Built, Error = BuildError>>(
         &self,
         spec: &StageSpec,
         sensor: SensorId,
@@ -84,7 +82,7 @@ impl Builder<'_> {
         built.map_err(|error| EngineError { section: spec.name.clone(), error })
     }
 
-    fn optional<T: TryFrom<Built, Error = BuildError>>(
+    pub(super) fn optional<T: TryFrom<Built, Error = BuildError>>(
         &self,
         spec: Option<&StageSpec>,
     ) -> Result<Option<T>, EngineError> {
@@ -181,99 +179,4 @@ impl Engine {
             world,
         })
     }
-}
-
-fn sensors(builder: &Builder<'_>, schedule: &mut Schedule) -> Result<Vec<SensorSeat>, EngineError> {
-    let mut seats = Vec::new();
-    for (idx, spec) in builder.pipeline.sensors.iter().enumerate() {
-        let id = SensorId(idx as u16);
-        let manifest = spec.stage.manifest();
-        let default = manifest.default_rate_hz.map_or(SENSOR, Rate::Hz);
-        // A virtual sensor without a rate runs whenever its inputs have something new.
-        let rate = spec.stage.rate.or((!manifest.is_virtual).then_some(default));
-        seats.push(SensorSeat {
-            seat: Seat {
-                name: spec.stage.name.clone(),
-                stage: builder.mounted(&spec.stage, id, spec.base_from_sensor)?,
-                cursor: Default::default(),
-                task: task(rate, schedule),
-                failures: 0,
-            },
-            inputs: spec.inputs.iter().map(|idx| SensorId(*idx as u16)).collect(),
-        });
-    }
-    Ok(seats)
-}
-
-fn odometer(
-    builder: &Builder<'_>,
-    schedule: &mut Schedule,
-    ring: &Ring,
-) -> Result<Option<Seat<Box<dyn Localizer>>>, EngineError> {
-    let Some(spec) = &builder.pipeline.odometer else { return Ok(None) };
-    let mut built: Box<dyn Localizer> = builder.stage(spec)?;
-    // The odometer's frame begins where the base stands.
-    let prior = Prior::Pose {
-        map_from_base: Pose2::identity(),
-        odom_from_base: Pose2::identity(),
-        covariance: nalgebra::Matrix3::zeros(),
-    };
-    let started = built.start(&prior, &Map::default()).map_err(|e| BuildError::at("", e.to_string()));
-    started.map_err(|error| EngineError { section: spec.name.clone(), error })?;
-    Ok(Some(seat(built, spec, task(spec.rate, schedule), ring)))
-}
-
-fn localization(
-    builder: &Builder<'_>,
-    schedule: &mut Schedule,
-    ring: &Ring,
-) -> Result<Localization, EngineError> {
-    let pipeline = builder.pipeline;
-    let finder = match (&pipeline.slam, &pipeline.localizer) {
-        (Some(spec), _) => seat(Finder::Slam(builder.stage(spec)?), spec, task(spec.rate, schedule), ring),
-        (None, Some(spec)) => {
-            seat(Finder::Localizer(builder.stage(spec)?), spec, task(spec.rate, schedule), ring)
-        }
-        (None, None) => {
-            let error = BuildError::at("", "nobody finds the robot; name a plugin in [localizer] or [slam]");
-            return Err(EngineError { section: "localizer".into(), error });
-        }
-    };
-    let relocalizer = match &pipeline.relocalizer {
-        Some(spec) => Some(seat(builder.stage(spec)?, spec, task(spec.rate, schedule), ring)),
-        None => None,
-    };
-    Ok(Localization { finder, relocalizer, estimate: Estimate::lost(Time::ZERO) })
-}
-
-fn planning(builder: &Builder<'_>) -> Result<Planning, EngineError> {
-    let seat = |spec: Option<&StageSpec>| -> Result<Option<PlannerSeat>, EngineError> {
-        let planner = builder.optional(spec)?;
-        Ok(spec.map(|spec| PlannerSeat { planner, background: builder.background(spec) }))
-    };
-    let pipeline = builder.pipeline;
-    let (main, fallback) = (seat(pipeline.planner.as_ref())?, seat(pipeline.planner_fallback.as_ref())?);
-    Ok(Planning::new(main, fallback, pipeline.robot.clone()))
-}
-
-fn seat<T>(stage: T, spec: &StageSpec, task: Option<TaskId>, ring: &Ring) -> Seat<T> {
-    Seat { name: spec.name.clone(), stage, cursor: ring.cursor(), task, failures: 0 }
-}
-
-fn task(rate: Option<Rate>, schedule: &mut Schedule) -> Option<TaskId> {
-    rate.map(|rate| schedule.add(rate))
-}
-
-/// Sensors whose age the guard watches: all that see obstacles.
-fn watched(pipeline: &Pipeline) -> Vec<(SensorId, Span)> {
-    let sees = [ObservationKind::LaserScan, ObservationKind::RangeRing];
-    let mut watched = Vec::new();
-    for (idx, spec) in pipeline.sensors.iter().enumerate() {
-        let manifest = spec.stage.manifest();
-        if manifest.produces.iter().any(|kind| sees.contains(kind)) {
-            let rate = spec.stage.rate.or(manifest.default_rate_hz.map(Rate::Hz)).unwrap_or(SENSOR);
-            watched.push((SensorId(idx as u16), rate.period()));
-        }
-    }
-    watched
 }

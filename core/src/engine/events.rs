@@ -1,6 +1,6 @@
 //! What happened, as a list that people and programs can read.
 
-use super::navigator::State;
+use super::order::State;
 use crate::frames::Point2;
 use crate::messages::Status;
 use crate::time::Time;

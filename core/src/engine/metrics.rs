@@ -1,8 +1,8 @@
 //! The figures of a run, gathered by an observer.
 
 use super::events::EventKind;
-use super::navigator::State;
 use super::observer::{Observer, StepView};
+use super::order::State;
 use super::run::EndReason;
 use super::timing::{Part, StageTimes};
 use crate::frames::{Point2, flatten, wrap_angle};

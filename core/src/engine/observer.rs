@@ -1,7 +1,7 @@
 //! Observers see every step and can change nothing.
 
 use super::events::Event;
-use super::navigator::State;
+use super::order::State;
 use super::timing::StageTimes;
 use crate::frames::Pose2;
 use crate::map::Map;

@@ -1,7 +1,7 @@
 //! The one door for commands: what the pipeline itself orders, and how orders are obeyed or refused.
 
 use super::events::{Event, EventKind};
-use super::navigator::{Order, State};
+use super::order::{Order, State};
 use super::step::Engine;
 use crate::frames::{Point2, pose2};
 use crate::map::Map;

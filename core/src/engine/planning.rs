@@ -1,7 +1,8 @@
 //! Asking planners, beside the step: a plan never delays control.
 
 use super::events::{Event, EventKind};
-use super::navigator::{Navigator, Outcome, State};
+use super::navigator::{Navigator, Outcome};
+use super::order::State;
 use super::schedule::{Schedule, TaskId};
 use crate::frames::{Point2, Pose2};
 use crate::map::{Grid, Map};

@@ -3,8 +3,9 @@
 use super::events::{Event, EventKind};
 use super::guard::Guard;
 use super::localization::Localization;
-use super::navigator::{Navigator, Order, State};
+use super::navigator::Navigator;
 use super::odometry_track::OdometryTrack;
+use super::order::{Order, State};
 use super::planning::Planning;
 use super::ring::{Filter, Ring};
 use super::schedule::{Schedule, TaskId};

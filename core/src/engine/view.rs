@@ -1,7 +1,7 @@
 //! What a step leaves behind: room in the ring, and a view for observers.
 
-use super::navigator::State;
 use super::observer::StepView;
+use super::order::State;
 use super::step::Engine;
 use crate::frames::{Pose2, flatten};
 use crate::trace::Trace;
