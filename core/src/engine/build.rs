@@ -13,7 +13,7 @@ use crate::map::Map;
 use crate::messages::{Command, Observations, SensorId};
 use crate::pipeline::{Pipeline, Rate, StageSpec};
 use crate::registry::Built;
-use crate::stages::{Background, BuildContext, BuildError, GiveUp, Localizer, World};
+use crate::stages::{Background, BuildContext, BuildError, GiveUp, World};
 use crate::time::Span;
 use crate::trace::Trace;
 use std::path::PathBuf;

@@ -6,7 +6,6 @@ use super::step::{Engine, Stepped};
 use super::watchdog::Watchdog;
 use crate::frames::Twist;
 use crate::messages::Command;
-use crate::stages::World;
 use crate::time::Span;
 use serde::{Deserialize, Serialize};
 use std::fmt;
