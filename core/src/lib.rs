@@ -4,6 +4,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod boundary;
+pub mod document;
 pub mod engine;
 pub mod frames;
 pub mod map;
