@@ -12,7 +12,7 @@ mod save;
 
 pub use error::MapFileError;
 pub use header::{MapHeader, MapMode, load_map_header};
-pub use save::{SavedAs, save_map};
+pub use save::{PictureFormat, SavedAs, save_map};
 
 /// Largest map that is loaded unless the caller says otherwise: 64 million cells, a hall of 400 m by 400 m at 5 cm.
 pub const DEFAULT_MAX_CELLS: u64 = 64_000_000;

@@ -1,6 +1,8 @@
-//! Writes a grid as a map_server YAML file and a PGM beside it.
+//! Writes a grid as a map_server YAML file and a picture beside it.
 
 use std::path::Path;
+
+use image::ImageEncoder as _;
 
 use super::{MapFileError, MapImage, UNKNOWN};
 
@@ -13,11 +15,25 @@ pub enum SavedAs {
     Raw,
 }
 
-/// Writes `yaml` and a PGM of the same name beside it; the pair loads back to the same grid.
+/// Format of the written picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// What every tool reads.
+    Pgm,
+    /// A hundredth of the size.
+    Png,
+}
+
+/// Writes `yaml` and a picture of the same name beside it; the pair loads back to the same grid.
 ///
 /// # Errors
 /// [`MapFileError::Unwritable`], or [`MapFileError::Inconsistent`] when the grid is not `width * height` cells.
-pub fn save_map(yaml: &Path, map: &MapImage, saved_as: SavedAs) -> Result<(), MapFileError> {
+pub fn save_map(
+    yaml: &Path,
+    map: &MapImage,
+    saved_as: SavedAs,
+    format: PictureFormat,
+) -> Result<(), MapFileError> {
     if map.cells.len() != map.width * map.height || map.cells.is_empty() {
         return Err(MapFileError::Inconsistent {
             width: map.width,
@@ -25,7 +41,10 @@ pub fn save_map(yaml: &Path, map: &MapImage, saved_as: SavedAs) -> Result<(), Ma
             found: map.cells.len(),
         });
     }
-    let picture = yaml.with_extension("pgm");
+    let picture = yaml.with_extension(match format {
+        PictureFormat::Pgm => "pgm",
+        PictureFormat::Png => "png",
+    });
     let mode = match saved_as {
         SavedAs::Trinary => "trinary",
         SavedAs::Raw => "raw",
@@ -38,10 +57,24 @@ pub fn save_map(yaml: &Path, map: &MapImage, saved_as: SavedAs) -> Result<(), Ma
          occupied_thresh: 0.65\nfree_thresh: 0.196\n",
         map.resolution_m
     );
-    let mut bytes = format!("P5\n{} {}\n255\n", map.width, map.height).into_bytes();
-    for row in map.cells.chunks_exact(map.width).rev() {
-        bytes.extend(row.iter().map(|&cell| pixel(cell, saved_as)));
-    }
+    let rows = map.cells.chunks_exact(map.width).rev();
+    let pixels: Vec<u8> = rows.flatten().map(|&cell| pixel(cell, saved_as)).collect();
+    let bytes = match format {
+        PictureFormat::Pgm => {
+            [format!("P5\n{} {}\n255\n", map.width, map.height).as_bytes(), &pixels].concat()
+        }
+        PictureFormat::Png => {
+            let mut bytes = Vec::new();
+            let (width, height) = (map.width as u32, map.height as u32);
+            image::codecs::png::PngEncoder::new(&mut bytes)
+                .write_image(&pixels, width, height, image::ExtendedColorType::L8)
+                .map_err(|error| MapFileError::Unwritable {
+                    path: picture.clone(),
+                    source: std::io::Error::other(error),
+                })?;
+            bytes
+        }
+    };
     for (path, content) in [(picture.as_path(), bytes.as_slice()), (yaml, header.as_bytes())] {
         std::fs::write(path, content)
             .map_err(|source| MapFileError::Unwritable { path: path.to_path_buf(), source })?;

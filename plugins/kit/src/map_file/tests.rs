@@ -96,13 +96,18 @@ fn a_saved_map_loads_back_to_the_same_cells() {
         origin: [-0.1, 3.0, 0.7],
         cells: vec![0, 100, -1, -1, 0, 100],
     };
-    save_map(&yaml, &map, SavedAs::Trinary).unwrap();
-    assert_eq!(load_map(&yaml, DEFAULT_MAX_CELLS).unwrap(), map);
+    for format in [PictureFormat::Pgm, PictureFormat::Png] {
+        save_map(&yaml, &map, SavedAs::Trinary, format).unwrap();
+        assert_eq!(load_map(&yaml, DEFAULT_MAX_CELLS).unwrap(), map);
+    }
     let percents = MapImage { cells: vec![0, 1, 50, 99, 100, -1], ..map };
-    save_map(&yaml, &percents, SavedAs::Raw).unwrap();
+    save_map(&yaml, &percents, SavedAs::Raw, PictureFormat::Pgm).unwrap();
     assert_eq!(load_map(&yaml, DEFAULT_MAX_CELLS).unwrap(), percents);
     let short = MapImage { cells: vec![0], ..percents };
-    assert!(matches!(save_map(&yaml, &short, SavedAs::Raw), Err(MapFileError::Inconsistent { .. })));
+    assert!(matches!(
+        save_map(&yaml, &short, SavedAs::Raw, PictureFormat::Pgm),
+        Err(MapFileError::Inconsistent { .. })
+    ));
 }
 
 #[test]

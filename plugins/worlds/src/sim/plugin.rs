@@ -63,7 +63,7 @@ impl Plugin<dyn World> for SimParams {
         if clearance_m <= 0.0 {
             let message = format!(
                 "the robot's hull overlaps something by {:.3} m at x_m = {x_m}, y_m = {y_m}, yaw_deg = {yaw_deg}",
-                -clearance_m
+                clearance_m.abs()
             );
             return Err(BuildError::at("start", message).help("choose a start in free space"));
         }

@@ -1,0 +1,200 @@
+//! The worlds that come with Rumbo are what their sources say, and the simulator sees what is in them.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::UnitQuaternion;
+use rumbo_core::frames::{Pose3, pose2};
+use rumbo_core::registry::Plugin;
+use rumbo_core::stages::{Answer, BuildContext, BuildError, Probe, World};
+use rumbo_kit::map_file::{DEFAULT_MAX_CELLS, load_map};
+use rumbo_kit::world_file::{load_world, parse_world};
+use rumbo_worlds::sim::{SimParams, Start};
+
+#[path = "../examples/draw_worlds/convert.rs"]
+mod convert;
+#[path = "../examples/draw_worlds/office.rs"]
+mod office;
+
+/// As in the example: a world as it is written.
+pub enum Drawn {
+    Toml(String),
+    Map(rumbo_kit::map_file::MapImage),
+}
+
+fn data() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data")
+}
+
+fn worlds() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines/worlds")
+}
+
+fn world(name: &str, start: Start) -> Result<Box<dyn World>, BuildError> {
+    let params = SimParams { map: Some(worlds().join(name)), start, ..SimParams::default() };
+    params.build(&BuildContext::bare("world"))
+}
+
+fn start(x_m: f64, y_m: f64, yaw_deg: f64) -> Start {
+    Start { x_m, y_m, yaw_deg }
+}
+
+fn ranges(world: &mut dyn World, mount: &Pose3, bearings_deg: &[f64]) -> Vec<f64> {
+    bearings_deg
+        .iter()
+        .map(|bearing_deg| {
+            let probe = Probe::Beams {
+                base_from_sensor: mount,
+                first_bearing_rad: bearing_deg.to_radians(),
+                bearing_step_rad: 0.01,
+                n_beams: 1,
+                max_range_m: 100.0,
+            };
+            match world.probe(&probe) {
+                Ok(Answer::Ranges(ranges)) => f64::from(ranges[0]),
+                other => panic!("{other:?}"),
+            }
+        })
+        .collect()
+}
+
+/// `cargo run -p rumbo-worlds --example draw_worlds` writes them anew.
+#[test]
+fn the_committed_worlds_are_what_the_program_draws() {
+    let mut drawn = convert::all(&data()).unwrap();
+    drawn.push(("office-20m".into(), Drawn::Map(office::draw())));
+    assert_eq!(drawn.len(), 9);
+    for (name, drawn) in drawn {
+        match drawn {
+            Drawn::Toml(text) => {
+                let committed = std::fs::read_to_string(worlds().join(format!("{name}.toml"))).unwrap();
+                assert!(committed == text, "{name}.toml differs from what the program draws");
+                parse_world(&text, Path::new("drawn.toml")).unwrap();
+            }
+            Drawn::Map(map) => {
+                let committed = load_map(&worlds().join(format!("{name}.yaml")), DEFAULT_MAX_CELLS).unwrap();
+                assert!(committed == map, "{name}.yaml differs from what the program draws");
+            }
+        }
+    }
+}
+
+/// CRC-32 of the bytes 0 and 1, top line first, as the source of the maps gives it.
+#[test]
+fn the_cell_maps_have_the_published_checksums() {
+    let source: toml::Table =
+        toml::from_str(&std::fs::read_to_string(data().join("natural_landmark_maps.toml")).unwrap()).unwrap();
+    for map in source["map"].as_array().unwrap() {
+        let name = map["name"].as_str().unwrap();
+        let image =
+            load_map(&worlds().join(format!("natural_landmark_{name}.yaml")), DEFAULT_MAX_CELLS).unwrap();
+        let bytes = image.cells.chunks(image.width).rev().flatten().map(|cell| u8::from(*cell > 50));
+        let crc = !bytes.fold(u32::MAX, |crc, byte| {
+            (0..8)
+                .fold(crc ^ u32::from(byte), |crc, _| (crc >> 1) ^ if crc & 1 == 1 { 0xEDB8_8320 } else { 0 })
+        });
+        assert_eq!(i64::from(crc), map["crc32_row_major_bytes"].as_integer().unwrap(), "{name}");
+        let occupied = image.cells.iter().filter(|cell| **cell > 50).count();
+        assert_eq!(occupied as i64, map["occupied_cells"].as_integer().unwrap(), "{name}");
+    }
+}
+
+/// The lane of the rubble loop: straight pieces and quarter arcs of radius 1.5, counter-clockwise.
+fn on_lane(mut way_m: f64) -> [f64; 3] {
+    let (straights, radius) = ([11.0, 6.2, 11.0, 6.2], 1.5);
+    let arc = radius * std::f64::consts::FRAC_PI_2;
+    let mut pose = pose2(-5.5, -4.6, 0.0);
+    for straight in straights {
+        pose *= pose2(way_m.clamp(0.0, straight), 0.0, 0.0);
+        way_m -= straight;
+        let turn = way_m.clamp(0.0, arc) / radius;
+        pose *= pose2(radius * turn.sin(), radius * (1.0 - turn.cos()), turn);
+        way_m -= arc;
+    }
+    [pose.translation.x, pose.translation.y, pose.rotation.angle()]
+}
+
+#[test]
+fn rays_in_the_rubble_loop_have_the_published_ranges() {
+    let text = std::fs::read_to_string(data().join("slam2d_sim_loop_world.json")).unwrap();
+    let source: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    for sample in source["lane"]["samples"].as_array().unwrap() {
+        let pose = on_lane(number(&sample["s"]));
+        for (found, expected) in pose.iter().zip(sample["pose"].as_array().unwrap()) {
+            assert!((found.sin() - number(expected).sin()).abs() < 1e-9, "{pose:?} {sample}");
+        }
+    }
+    let mut n_rays = 0;
+    for check in source["raycast_checks"].as_array().unwrap() {
+        let [x, y, yaw] = on_lane(number(&check["s"]));
+        let bearings: Vec<f64> = check["bearings_deg"].as_array().unwrap().iter().map(number).collect();
+        for (name, key) in
+            [("rubble_loop.toml", "ranges_base"), ("rubble_loop_dense.toml", "ranges_with_dense")]
+        {
+            let mut world = world(name, start(x, y, yaw.to_degrees())).unwrap();
+            let mount = Pose3::translation(0.0, 0.0, 0.3);
+            for (found, expected) in
+                ranges(&mut *world, &mount, &bearings).iter().zip(check[key].as_array().unwrap())
+            {
+                // The source's corners are rounded to 0.1 mm; its own tolerance is 5 mm.
+                assert!((found - number(expected)).abs() < 5e-4, "{name} {check}: {found}");
+                n_rays += 1;
+            }
+        }
+    }
+    assert_eq!(n_rays, 42);
+}
+
+#[test]
+fn every_shipped_world_loads_and_a_robot_can_stand_in_it() {
+    let stands = [
+        ("dc_office.toml", start(-3.97, -4.0, 90.0)),
+        ("dc_arena.toml", start(0.0, 0.0, 57.0)),
+        ("fc_warehouse.toml", start(18.0, 6.0, 0.0)),
+        ("rubble_loop.toml", start(-5.5, -4.6, 0.0)),
+        ("rubble_loop_dense.toml", start(-5.5, -4.6, 0.0)),
+        ("natural_landmark_5x5.yaml", start(2.0, 2.0, 0.0)),
+        ("natural_landmark_10x10.yaml", start(2.0, 6.0, 0.0)),
+        ("natural_landmark_20x20.yaml", start(2.0, 13.0, 0.0)),
+        ("office-20m.yaml", start(2.0, 3.0, 90.0)),
+        ("office_blocked.toml", start(2.0, 3.0, 90.0)),
+        ("office_unreachable.toml", start(2.0, 3.0, 90.0)),
+        ("office_people.toml", start(2.0, 3.0, 90.0)),
+    ];
+    let mut names: Vec<String> = std::fs::read_dir(worlds())
+        .unwrap()
+        .map(|file| file.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.ends_with(".toml") || name.ends_with(".yaml"))
+        .collect();
+    for (name, start) in stands {
+        load_world(&worlds().join(name)).unwrap_or_else(|error| panic!("{error}"));
+        world(name, start).unwrap_or_else(|error| panic!("{name}: {error}"));
+        names.retain(|other| other != name);
+    }
+    assert!(names.is_empty(), "no test stands in {names:?}");
+}
+
+/// A robot of 0.20 m needs 0.30 m; the doors leave 0.5 m to both sides of their middle.
+#[test]
+fn the_office_has_room_where_its_missions_go() {
+    let clearance = |x, y| world("office-20m.yaml", start(x, y, 0.0)).unwrap().truth().unwrap().clearance_m;
+    for (x, y) in
+        [(2.0, 3.0), (15.0, 12.0), (4.0, 18.5), (26.0, 21.6), (25.0, 12.0), (14.0, 5.5), (20.0, 2.0)]
+    {
+        assert!(clearance(x, y) > 0.3, "({x}, {y}): {}", clearance(x, y));
+    }
+    assert!((clearance(13.7, 9.05) - 0.3).abs() < 1e-9, "in the middle of a door");
+}
+
+#[test]
+fn the_blocked_corridor_is_blocked_and_the_shut_doors_are_shut() {
+    let mount = Pose3::from_parts([0.0, 0.0, 0.3].into(), UnitQuaternion::identity());
+    let ahead = |name: &str, start: Start| ranges(&mut *world(name, start).unwrap(), &mount, &[0.0])[0];
+    let corridor = start(8.0, 8.0, 0.0);
+    assert!((ahead("office-20m.yaml", corridor) - 20.8).abs() < 1e-5);
+    assert!((ahead("office_blocked.toml", corridor) - 3.65).abs() < 1e-6);
+    let door = start(13.7, 8.0, 90.0);
+    assert!((ahead("office-20m.yaml", door) - 6.3).abs() < 1e-5, "to the bench inside");
+    assert!((ahead("office_unreachable.toml", door) - 1.05).abs() < 1e-6);
+}
