@@ -259,7 +259,7 @@ fn what_the_map_explains_stops_the_robot_only_below_the_hard_limit() {
 #[test]
 fn a_known_wall_beside_the_robot_stops_nobody_however_near() {
     let mut bench = Bench::new(StopAndReplanParams::default());
-    let wall: Vec<(f64, f64)> = (-20..60).map(|k| (f64::from(k) * 0.05, 0.24)).collect();
+    let wall: Vec<(f64, f64)> = (-20..60).map(|k| (f64::from(k) * 0.05, 0.225)).collect();
     bench.grid = Some(grid_with(&wall, 0.0));
     bench.follow(&[(0.0, 0.0), (2.0, 0.0)]);
     bench.discs = wall.iter().map(|(x, y)| (Point2::new(*x, *y), 0.01)).collect();
@@ -306,6 +306,20 @@ fn sonar_alone_reports_the_arc_of_its_cone() {
     let cells: Vec<_> = obstacles.iter().map(|o| grid.cell_at(o.position)).collect();
     let neighbors = cells.iter().enumerate().all(|(i, a)| !cells[..i].contains(a));
     assert!(neighbors && obstacles.len() >= 2, "one obstacle a cell: {cells:?}");
+}
+
+#[test]
+fn where_the_laser_says_what_it_is_the_sonar_adds_nothing() {
+    let n_reported = |laser: &[(f64, f64)]| {
+        let mut bench = Bench::new(StopAndReplanParams::default());
+        bench.grid = Some(grid_with(&[], 0.0));
+        bench.follow(&[(0.0, 0.0), (4.0, 0.0)]);
+        let seen = [hits(bench.now, laser), echoes(bench.now, &[(0.0, 0.09)])];
+        let Ok(Steering::Blocked { obstacles }) = bench.steer(&seen) else { panic!("not blocked") };
+        obstacles.len()
+    };
+    assert_eq!(n_reported(&[(0.0, 0.29)]), 1);
+    assert!(n_reported(&[]) > 1, "the arc");
 }
 
 #[test]

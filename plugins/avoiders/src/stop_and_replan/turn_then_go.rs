@@ -123,20 +123,17 @@ impl TurnThenGo {
         self.at_end = false;
         self.n_turns = 0;
         self.phase = match self.phase {
-            Phase::Driving(straight) => self.continued(&straight, position).map(Phase::Driving),
+            Phase::Driving(straight) => self.continued(&straight).map(Phase::Driving),
             _ => None,
         }
         .unwrap_or(Phase::Stopping { since: now });
     }
 
-    fn continued(&self, straight: &Straight, position: Point2) -> Option<Straight> {
+    /// The present straight piece with the new checkpoint at its end, where that lies in the same direction.
+    fn continued(&self, straight: &Straight) -> Option<Straight> {
         let renewed = Straight::between(straight.from, self.checkpoint()?);
         let bend_rad = wrap_angle(renewed.heading_rad - straight.heading_rad);
-        let place = renewed.place_of(position);
-        let fits = bend_rad.abs() <= self.tuning.heading_tolerance_rad
-            && place.lateral_m.abs() <= self.tuning.checkpoint_radius_m
-            && place.left_m > 0.0;
-        fits.then_some(renewed)
+        (bend_rad.abs() <= self.tuning.heading_tolerance_rad).then_some(renewed)
     }
 
     /// The checkpoint that the robot goes to.

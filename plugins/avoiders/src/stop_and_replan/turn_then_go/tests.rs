@@ -208,6 +208,162 @@ fn a_robot_at_its_goal_arrives_at_once_and_turns_only_for_a_wanted_heading() {
     assert_eq!(run.n_turns_of_sides[1], 0, "from 2.0 to -2.0 rad the short way leads through the half turn");
 }
 
+/// A controller on its way from (0, 0) to (4, 0), just begun to drive.
+fn driving(thesis_mode: bool) -> TurnThenGo {
+    let mut control = TurnThenGo::new(tuning(thesis_mode, 0.1));
+    let start = Pose2::identity();
+    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (4.0, 0.0)], None), &start);
+    assert!(matches!(control.steer(Time::ZERO, &start, Twist::ZERO, ARRIVAL_M), Motion::Ahead { .. }));
+    control
+}
+
+#[test]
+fn a_half_turn_that_rounding_or_noise_puts_on_the_other_side_stays_clockwise() {
+    assert!(smaller_turn(0.0, PI - 1e-12) < 0.0 && smaller_turn(0.3, 0.3 + PI) < 0.0);
+    assert!(smaller_turn(0.0, PI - 1e-6) > 0.0 && smaller_turn(0.0, -PI + 1e-6) < 0.0);
+    let mut control = TurnThenGo::new(tuning(false, 0.1));
+    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (-2.0, 0.0)], None), &Pose2::identity());
+    for yaw_deg in [0.0, 1.0, 2.0, -1.0, 0.5, -3.0] {
+        let pose = pose2(0.0, 0.0, f64::to_radians(yaw_deg));
+        let motion = control.steer(Time::ZERO, &pose, Twist::ZERO, ARRIVAL_M);
+        assert!(matches!(motion, Motion::Turn(rate) if rate < 0.0), "{yaw_deg}: {motion:?}");
+    }
+}
+
+#[test]
+fn a_movement_ends_within_a_quarter_of_its_last_step() {
+    let ideal =
+        Robot { max_accel_m_s2: 1e6, braking_m_s2: 1e6, max_turn_accel_deg_s2: 1e8, ..Robot::default() };
+    let tuning = StopAndReplanParams::default().tuning(&ideal, 0.1);
+    for k in 0..20 {
+        let (length_m, yaw_rad) = (0.3 + 0.0413 * f64::from(k), 0.2 + 0.1234 * f64::from(k));
+        let path = through(&[(0.0, 0.0), (length_m, 0.0)], Some(yaw_rad));
+        let run = follow(tuning, Unicycle::obeys_at_once(Pose2::identity()), &path, 90.0, exactly).unwrap();
+        let end = run.trail.last().unwrap();
+        assert!((end.translation.x - length_m).abs() <= 0.00126, "{length_m}: {}", end.translation.x);
+        let off_deg = wrap_angle(end.rotation.angle() - yaw_rad).to_degrees().abs();
+        assert!(off_deg <= 0.071, "{yaw_rad}: {off_deg}");
+    }
+}
+
+#[test]
+fn a_checkpoint_once_reached_is_not_lost_to_noise_in_the_last_moment() {
+    let path = through(&[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)], None);
+    let last_moment = |_: f64, pose: &Pose2| {
+        let aside_m = if pose.translation.x > 0.985 && pose.rotation.angle() < 0.01 { 0.07 } else { 0.0 };
+        pose2(pose.translation.x, pose.translation.y + aside_m, pose.rotation.angle())
+    };
+    let run =
+        follow(tuning(true, 0.1), Unicycle::guarded(Pose2::identity()), &path, 90.0, last_moment).unwrap();
+    assert_eq!(run.n_turns_of_sides[1], 0, "no turn back to a checkpoint 0.07 m aside");
+}
+
+#[test]
+fn a_heading_that_always_reads_wrong_at_rest_does_not_make_turns_endless() {
+    let path = through(&[(0.0, 0.0)], Some(1.0));
+    let (mut last, mut off_deg) = (f64::NAN, 3.5f64);
+    let wrong_at_rest = |_: f64, pose: &Pose2| {
+        let yaw_rad = pose.rotation.angle();
+        let rests = yaw_rad == last;
+        last = yaw_rad;
+        off_deg = if rests { -off_deg } else { off_deg };
+        pose2(0.0, 0.0, yaw_rad + if rests { off_deg.to_radians() } else { 0.0 })
+    };
+    let robot = Unicycle::guarded(Pose2::identity());
+    assert!(follow(tuning(true, 0.1), robot, &path, 60.0, wrong_at_rest).is_some());
+}
+
+#[test]
+fn a_heading_error_stops_the_robot_where_it_would_miss_the_checkpoint() {
+    for (side, thesis_mode) in [(1.0, true), (-1.0, true), (1.0, false), (-1.0, false)] {
+        let stops = |x_m: f64, yaw_deg: f64| {
+            let mut control = driving(thesis_mode);
+            let pose = pose2(x_m, 0.0, (side * yaw_deg).to_radians());
+            (0..3).any(|_| control.steer(Time::ZERO, &pose, Twist::ZERO, ARRIVAL_M) == Motion::Stand)
+        };
+        assert!(stops(1.0, 6.0) && !stops(1.0, 4.0));
+        assert!(stops(3.5, 7.0) && !stops(3.7, 7.0), "0.04 m beside a checkpoint is near enough");
+    }
+}
+
+#[test]
+fn every_turn_of_a_movement_begins_with_the_narrow_tolerance() {
+    let mut control = TurnThenGo::new(tuning(true, 0.1));
+    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (0.0, 4.0)], None), &Pose2::identity());
+    let mut motion = |yaw_deg: f64| {
+        let pose = pose2(0.0, 0.5, f64::to_radians(yaw_deg));
+        control.steer(Time::ZERO, &pose, Twist::ZERO, ARRIVAL_M)
+    };
+    assert!(matches!(motion(0.0), Motion::Turn(_)));
+    assert_eq!(motion(90.0), Motion::Stand);
+    assert!(matches!(motion(90.5), Motion::Ahead { .. }));
+    assert_eq!([96.0; 3].map(&mut motion)[2], Motion::Stand);
+    assert!(matches!(motion(91.5), Motion::Turn(rate) if rate < 0.0));
+}
+
+#[test]
+fn a_robot_far_beside_its_line_stops_even_if_it_looks_at_the_checkpoint() {
+    for side in [1.0, -1.0] {
+        let mut control = driving(true);
+        let stops_at = |lateral_m: f64, control: &mut TurnThenGo| {
+            let pose = pose2(1.0, lateral_m * side, -(lateral_m * side / 3.0).atan());
+            control.steer(Time::ZERO, &pose, Twist::ZERO, ARRIVAL_M) == Motion::Stand
+        };
+        assert!((0..5).all(|_| !stops_at(0.09, &mut control)));
+        // One reading may be noise, three are none.
+        assert_eq!(
+            [0.12, 0.12, 0.0, 0.12, 0.12, 0.12].map(|m| stops_at(m, &mut control)),
+            [false, false, false, false, false, true]
+        );
+    }
+}
+
+#[test]
+fn an_odometer_that_always_sees_motion_delays_a_turn_by_a_second_at_most() {
+    let mut control = TurnThenGo::new(tuning(true, 0.1));
+    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (0.0, 2.0)], None), &Pose2::identity());
+    let begins = (0..100).find(|k| {
+        let now = Time::from_secs(0.1 * f64::from(*k));
+        let shaky = Twist::new(0.02, 0.0);
+        matches!(control.steer(now, &Pose2::identity(), shaky, ARRIVAL_M), Motion::Turn(_))
+    });
+    assert_eq!(begins, Some(10));
+}
+
+#[test]
+fn the_correction_keeps_the_robot_on_its_line_where_thesis_mode_drifts() {
+    for side in [1.0, -1.0] {
+        let off_m = |thesis_mode: bool| {
+            let start = pose2(0.0, 0.0, side * 0.9f64.to_radians());
+            let path = through(&[(0.0, 0.0), (4.0, 0.0)], None);
+            let run =
+                follow(tuning(thesis_mode, 0.1), Unicycle::guarded(start), &path, 60.0, exactly).unwrap();
+            run.trail.iter().map(|pose| off_path_m(&path, pose)).fold(0.0, f64::max)
+        };
+        assert!(off_m(true) > 0.045, "{}", off_m(true));
+        assert!(off_m(false) < 0.005, "{}", off_m(false));
+        // And back to it from beside.
+        let beside = follow(
+            tuning(false, 0.1),
+            Unicycle::guarded(pose2(0.0, 0.04 * side, 0.0)),
+            &through(&[(0.0, 0.04 * side), (4.0, 0.0)], None),
+            60.0,
+            |now_s, pose| if now_s < 5.0 { pose2(0.0, -0.04 * side, 0.0) * pose } else { *pose },
+        );
+        let end = *beside.unwrap().trail.last().unwrap();
+        assert!(end.translation.y.abs() < 0.01, "{}", end.translation.y);
+    }
+}
+
+#[test]
+fn the_robots_own_limits_bound_speeds_and_brakes() {
+    let weak = Robot { max_speed_m_s: 0.12, max_turn_deg_s: 4.0, braking_m_s2: 0.2, ..Robot::default() };
+    let t = StopAndReplanParams::default().tuning(&weak, 0.1);
+    assert_eq!(t.straight.levels, [0.05, 0.10, 0.12]);
+    assert_eq!(t.turn.levels.map(|rate| (rate.to_degrees() * 1e6).round() / 1e6), [2.8, 4.0, 4.0]);
+    assert!((t.slowing_m_s2 - 0.16).abs() < 1e-12);
+}
+
 /// Distance of the robot to the nearest piece of the path.
 fn off_path_m(path: &Path, pose: &Pose2) -> f64 {
     let position = Point2::from(pose.translation.vector);
