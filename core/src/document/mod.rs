@@ -74,3 +74,10 @@ impl Document {
 
 #[cfg(test)]
 mod tests;
+
+/// Faults of a text against a JSON schema.
+#[cfg(test)]
+pub(crate) fn schema_faults(schema: &serde_json::Value, text: &str) -> Vec<String> {
+    let (document, _) = Document::from_text(Path::new("p.toml"), text, &[]);
+    shape::Shape { schema, also_known: &[] }.check(&document.root, "").lines(&document.sources)
+}

@@ -215,6 +215,9 @@ impl Node {
         let text = match &self.value {
             NodeValue::Table(_) => return "a table".to_owned(),
             NodeValue::Array(items) if items.len() > 4 => return format!("a list of {} items", items.len()),
+            NodeValue::Array(items) if items.iter().any(|item| item.as_table().is_some()) => {
+                return "a list of tables".to_owned();
+            }
             _ => self.to_toml().to_string(),
         };
         if text.chars().count() <= 60 {

@@ -36,10 +36,10 @@ const CONTROL: Rate = Rate::Hz(10.0);
 /// Builds stages one after the other.
 pub(super) struct Builder<'p> {
     pub(super) pipeline: &'p Pipeline,
-    world_map: Option<PathBuf>,
-    real_time: bool,
-    dry_run: bool,
-    abort: GiveUp,
+    pub(super) world_map: Option<PathBuf>,
+    pub(super) real_time: bool,
+    pub(super) dry_run: bool,
+    pub(super) abort: GiveUp,
 }
 
 impl Builder<'_> {

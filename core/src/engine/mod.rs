@@ -4,6 +4,7 @@
 
 mod act;
 mod build;
+mod build_faults;
 mod check;
 mod events;
 mod guard;

@@ -1,7 +1,26 @@
-//! A pipeline, understood and checked: what an [`Engine`](crate::engine::Engine) is built from.
+//! A pipeline: read from its file, checked, and understood: what an [`Engine`](crate::engine::Engine) is built from.
+//!
+//! [`Loaded::read`] reads a file in two steps: the framework's keys first, then each plugin's keys by its registry
+//! entry. [`schema`] describes the whole file for editors.
 
+mod draft;
+mod fits;
+mod load;
 mod mission;
+mod reserved;
+mod schema;
+mod seat;
+mod section;
+mod sensors;
 mod spec;
 
+pub use draft::Head;
+pub use load::Loaded;
 pub use mission::{Expect, InitialPose, Mission, PipelineTest, Waypoint, WellKnownPose};
+pub use reserved::{Mount, Reserved};
+pub use schema::schema;
+pub use seat::Seat;
 pub use spec::{Pipeline, Rate, SensorSpec, StageSpec};
+
+#[cfg(test)]
+mod tests;

@@ -29,6 +29,14 @@ impl Rate {
         Time(ns.floor() as i64)
     }
 
+    /// How often, times a second.
+    pub fn hz(self) -> f64 {
+        match self {
+            Rate::Hz(hz) => hz,
+            Rate::Every(seconds) => 1.0 / seconds,
+        }
+    }
+
     /// Time from one run to the next.
     pub fn period(self) -> Span {
         match self {
