@@ -3,6 +3,7 @@
 //! The grid kernels work on plain slices and sizes in cells, so they can be used without the framework.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod cost_field;
 pub mod distance_field;
 pub mod generated_world;
 mod grid_size;
