@@ -25,7 +25,11 @@ fn whole_field(bencher: divan::Bencher, map: &str) {
     let (world, costs) = world(map);
     let (_, goal) = query_cells(world.size, &costs);
     let mut field = CostField::new();
-    field.set_entry_costs(world.size, &entry_costs(&costs), StepRule { corner_cutting: true, ..StepRule::default() });
+    field.set_entry_costs(
+        world.size,
+        &entry_costs(&costs),
+        StepRule { corner_cutting: true, ..StepRule::default() },
+    );
     field.grow(goal, Until::Everywhere, || false).ok();
     let n_reached = field.to_vec().iter().filter(|c| c.is_finite()).count();
     bencher

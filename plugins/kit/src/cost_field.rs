@@ -121,7 +121,7 @@ impl CostField {
         self.costs.resize(n_tiles, [BLOCKED; CELLS]);
         self.edges.resize(n_tiles, [[BLOCKED; SIDE]; 2]);
         self.tiles.resize(n_tiles, AT_REST);
-        self.least_entry = simd::widest(|| copy_into_tiles(size, entry_costs, &mut self.entries));
+        self.least_entry = simd::widest(CopyIntoTiles { size, entry_costs, tiles: &mut self.entries });
         self.clear();
     }
 
@@ -184,9 +184,10 @@ impl CostField {
         if self.entries[tile][inside] == BLOCKED {
             return Ok(());
         }
-        self.make_current(tile);
+        self.costs[tile] = self.entries[tile].map(before_any_path);
         self.costs[tile][inside] = 0.0;
         self.edges[tile] = side_columns(&self.costs[tile]);
+        self.tiles[tile].is_current = true;
         let bound = Bound::new(self, until);
         for (neighbor, side) in self.around(tile).into_iter().zip(SEEN_FROM) {
             if let Some(neighbor) = neighbor {
@@ -216,17 +217,6 @@ impl CostField {
         crate::NEIGHBORS_8.map(|(dx, dy)| grid.neighbor(tile, dx, dy))
     }
 
-    /// Makes sure that a tile's costs belong to the present field.
-    fn make_current(&mut self, tile: usize) {
-        if std::mem::replace(&mut self.tiles[tile].is_current, true) {
-            return;
-        }
-        for (cost, entry) in self.costs[tile].iter_mut().zip(&self.entries[tile]) {
-            *cost = if *entry == BLOCKED { BLOCKED } else { UNREACHED };
-        }
-        self.edges[tile] = side_columns(&self.costs[tile]);
-    }
-
     fn announce(&mut self, tile: usize, side: u8, key: f64, bound: &Bound) {
         let state = &mut self.tiles[tile];
         state.sides |= side;
@@ -240,23 +230,11 @@ impl CostField {
     /// Settles a tile and tells the tiles around it what they could gain.
     fn settle(&mut self, tile: usize, bound: &Bound) {
         self.n_settled_tiles += 1;
-        self.make_current(tile);
         let around = self.around(tile);
-        for neighbor in around.into_iter().flatten() {
-            self.make_current(neighbor);
-        }
         let sides = std::mem::take(&mut self.tiles[tile].sides);
         self.tiles[tile].key = UNREACHED;
-        let Self { solver, entries, costs, edges, steps, least_entry, .. } = self;
-        let news = simd::widest(|| {
-            solver.load(&costs[tile], &entries[tile]);
-            surround(solver, costs, edges, around);
-            solver.mark_sides(sides);
-            solver.settle(*steps);
-            let news = solver.news(&costs[tile], &edges[tile], *steps, *least_entry);
-            solver.store(&mut costs[tile], &mut edges[tile]);
-            news
-        });
+        let news = simd::widest(SettleOne { field: self, tile, around, sides });
+        self.tiles[tile].is_current = true;
         for ((neighbor, side), key) in around.into_iter().zip(SEEN_FROM).zip(news) {
             if let Some(neighbor) = neighbor
                 && key < UNREACHED
@@ -279,58 +257,108 @@ const SEEN_FROM: [u8; 8] = [
     Side::Above as u8,
 ];
 
-/// Gives the solver the edges of the tiles around.
-#[inline(always)]
-fn surround(
-    solver: &mut TileSolver,
-    costs: &[[f64; CELLS]],
-    edges: &[[[f64; SIDE]; 2]],
+/// Settles one tile against its surroundings; returns what each tile around could gain.
+struct SettleOne<'a> {
+    field: &'a mut CostField,
+    tile: usize,
     around: [Option<usize>; 8],
-) {
-    const NOTHING: [f64; SIDE] = [BLOCKED; SIDE];
-    let [right, above_right, above, above_left, left, below_left, below, below_right] = around;
-    let row = |tile: Option<usize>, row: usize| {
-        tile.and_then(|t| costs[t][row * SIDE..].first_chunk()).unwrap_or(&NOTHING)
-    };
-    let col = |tile: Option<usize>, side: usize| tile.map_or(&NOTHING, |t| &edges[t][side]);
-    let corner = |tile: Option<usize>, cell: usize| tile.map_or(BLOCKED, |t| costs[t][cell]);
-    solver.set_edges(
-        [row(below, SIDE - 1), row(above, 0), col(left, 1), col(right, 0)],
-        [
-            corner(below_left, CELLS - 1),
-            corner(below_right, CELLS - SIDE),
-            corner(above_left, SIDE - 1),
-            corner(above_right, 0),
-        ],
-    );
+    sides: u8,
 }
 
+impl simd::Kernel for SettleOne<'_> {
+    type Output = [f64; 8];
+
+    #[inline(always)]
+    fn run<V: simd::Vectors>(self) -> [f64; 8] {
+        let Self { field, tile, around, sides } = self;
+        let CostField { solver, entries, costs, edges, tiles, steps, least_entry, .. } = field;
+        if tiles[tile].is_current {
+            solver.load::<V>(&costs[tile], &entries[tile]);
+        } else {
+            solver.load_fresh::<V>(&entries[tile]);
+        }
+        let row = |tile: Option<usize>, row: usize| match tile {
+            None => [BLOCKED; SIDE],
+            Some(t) if tiles[t].is_current => line_of(&costs[t], row),
+            Some(t) => line_of(&entries[t], row).map(before_any_path),
+        };
+        let col = |tile: Option<usize>, side: usize| match tile {
+            None => [BLOCKED; SIDE],
+            Some(t) if tiles[t].is_current => edges[t][side],
+            Some(t) => side_columns(&entries[t])[side].map(before_any_path),
+        };
+        let corner = |tile: Option<usize>, cell: usize| match tile {
+            None => BLOCKED,
+            Some(t) if tiles[t].is_current => costs[t][cell],
+            Some(t) => before_any_path(entries[t][cell]),
+        };
+        let [right, above_right, above, above_left, left, below_left, below, below_right] = around;
+        solver.set_edges(
+            [&row(below, SIDE - 1), &row(above, 0), &col(left, 1), &col(right, 0)],
+            [
+                corner(below_left, CELLS - 1),
+                corner(below_right, CELLS - SIDE),
+                corner(above_left, SIDE - 1),
+                corner(above_right, 0),
+            ],
+        );
+        solver.mark_sides(sides);
+        solver.settle::<V>(*steps);
+        solver.store(&mut costs[tile], &mut edges[tile]);
+        solver.news(*steps, *least_entry)
+    }
+}
+
+/// What a cell of this entry cost holds before any path has reached it.
+#[inline(always)]
+fn before_any_path(entry: f64) -> f64 {
+    if entry == BLOCKED { BLOCKED } else { UNREACHED }
+}
+
+/// One line of a tile.
+#[inline(always)]
+fn line_of(cells: &[f64; CELLS], line: usize) -> [f64; SIDE] {
+    std::array::from_fn(|i| cells[line * SIDE + i])
+}
+
+#[inline(always)]
 fn side_columns(costs: &[f64; CELLS]) -> [[f64; SIDE]; 2] {
     [std::array::from_fn(|row| costs[row * SIDE]), std::array::from_fn(|row| costs[row * SIDE + SIDE - 1])]
 }
 
 /// Sorts entry costs into tiles and returns the least; what is not above zero blocks, as does what lies outside.
-#[inline(always)]
-fn copy_into_tiles(size: GridSize, entry_costs: &[f64], tiles: &mut [[f64; CELLS]]) -> f64 {
-    let n_tile_cols = size.width.div_ceil(SIDE);
-    let mut least = BLOCKED;
-    for (tile, cells) in tiles.iter_mut().enumerate() {
-        let (col, row) = (tile % n_tile_cols * SIDE, tile / n_tile_cols * SIDE);
-        let n_cols = SIDE.min(size.width - col);
-        for (r, line) in cells.chunks_exact_mut(SIDE).enumerate() {
-            if row + r >= size.height {
-                line.fill(BLOCKED);
-                continue;
-            }
-            line[n_cols..].fill(BLOCKED);
-            let from = &entry_costs[size.index(col, row + r)..][..n_cols];
-            for (cell, &entry) in line.iter_mut().zip(from) {
-                *cell = if entry > 0.0 { entry } else { BLOCKED };
-                least = if *cell < least { *cell } else { least };
+struct CopyIntoTiles<'a> {
+    size: GridSize,
+    entry_costs: &'a [f64],
+    tiles: &'a mut [[f64; CELLS]],
+}
+
+impl simd::Kernel for CopyIntoTiles<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<V: simd::Vectors>(self) -> f64 {
+        let Self { size, entry_costs, tiles } = self;
+        let n_tile_cols = size.width.div_ceil(SIDE);
+        let mut least = BLOCKED;
+        for (tile, cells) in tiles.iter_mut().enumerate() {
+            let (col, row) = (tile % n_tile_cols * SIDE, tile / n_tile_cols * SIDE);
+            let n_cols = SIDE.min(size.width - col);
+            for (r, line) in cells.chunks_exact_mut(SIDE).enumerate() {
+                if row + r >= size.height {
+                    line.fill(BLOCKED);
+                    continue;
+                }
+                line[n_cols..].fill(BLOCKED);
+                let from = &entry_costs[size.index(col, row + r)..][..n_cols];
+                for (cell, &entry) in line.iter_mut().zip(from) {
+                    *cell = if entry > 0.0 { entry } else { BLOCKED };
+                    least = if *cell < least { *cell } else { least };
+                }
             }
         }
+        least
     }
-    least
 }
 
 /// What ends the growth, and in which order tiles are taken.

@@ -36,23 +36,34 @@ pub fn squared_distance_field_into(size: GridSize, marked: &[u8], field: &mut [u
     assert_eq!(field.len(), size.n_cells(), "one distance per cell");
     assert!(size.width.max(size.height) <= LONGEST_SIDE, "a side is longer than {LONGEST_SIDE} cells");
     if !field.is_empty() {
-        simd::widest(|| fill_field(size, marked, field));
+        simd::widest(FillField { size, marked, field });
     }
 }
 
-#[inline(always)]
-fn fill_field(size: GridSize, marked: &[u8], field: &mut [u32]) {
-    let GridSize { width, height } = size;
-    let mut from_below = vec![FAR; width];
-    for (row, marks) in field.chunks_exact_mut(width).zip(marked.chunks_exact(width)) {
-        step_column_distances(&mut from_below, marks);
-        row.copy_from_slice(&from_below);
-    }
-    let mut from_above = vec![FAR; width];
-    let mut rows = RowPass::new(width);
-    for row in (0..height).rev() {
-        step_column_distances(&mut from_above, &marked[row * width..][..width]);
-        rows.fill_row(&from_above, &mut field[row * width..][..width]);
+struct FillField<'a> {
+    size: GridSize,
+    marked: &'a [u8],
+    field: &'a mut [u32],
+}
+
+impl simd::Kernel for FillField<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: simd::Vectors>(self) {
+        let Self { size, marked, field } = self;
+        let GridSize { width, height } = size;
+        let mut from_below = vec![FAR; width];
+        for (row, marks) in field.chunks_exact_mut(width).zip(marked.chunks_exact(width)) {
+            step_column_distances(&mut from_below, marks);
+            row.copy_from_slice(&from_below);
+        }
+        let mut from_above = vec![FAR; width];
+        let mut rows = RowPass::new(width);
+        for row in (0..height).rev() {
+            step_column_distances(&mut from_above, &marked[row * width..][..width]);
+            rows.fill_row(&from_above, &mut field[row * width..][..width]);
+        }
     }
 }
 
@@ -203,7 +214,7 @@ mod tests {
             let oracle = brute_force(size, &marked);
             assert_eq!(squared_distance_field(size, &marked), oracle, "{size:?} with {n_marks} marks");
             let mut scalar = vec![0; size.n_cells()];
-            simd::narrowest(|| fill_field(size, &marked, &mut scalar));
+            simd::narrowest(FillField { size, marked: &marked, field: &mut scalar });
             assert_eq!(scalar, oracle, "scalar twin, {size:?} with {n_marks} marks");
         }
     }

@@ -13,7 +13,9 @@ fn bits(costs: &[f64]) -> Vec<u64> {
 }
 
 fn random_costs(rng: &mut Xoshiro256PlusPlus, size: GridSize, blocked: f64, spread: f64) -> Vec<f64> {
-    let one = |_| if rng.random_bool(blocked) { f64::INFINITY } else { 1.0 + spread * rng.random_range(0.0..1.0_f64) };
+    let one = |_| {
+        if rng.random_bool(blocked) { f64::INFINITY } else { 1.0 + spread * rng.random_range(0.0..1.0_f64) }
+    };
     (0..size.n_cells()).map(one).collect()
 }
 
@@ -36,7 +38,11 @@ fn the_field_equals_dijkstra_with_a_heap_to_the_bit() {
             let source = rng.random_range(0..size.n_cells());
             field.grow(source, Until::Everywhere, || false).unwrap();
             let oracle = slow::cost_field(size, &entries, rule, source);
-            assert_eq!(bits(&field.to_vec()), bits(&oracle), "round {round}, {size:?}, {rule:?}, source {source}");
+            assert_eq!(
+                bits(&field.to_vec()),
+                bits(&oracle),
+                "round {round}, {size:?}, {rule:?}, source {source}"
+            );
         }
     }
 }

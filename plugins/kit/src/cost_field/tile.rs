@@ -4,12 +4,14 @@
 //! tile. Sums are formed exactly as the slow twin forms them, one step at a time from the source, so both end in the
 //! same fixed point to the bit.
 
+use crate::simd::{self, Line, Vectors, lesser};
+
 /// Cells along a tile's edge.
-pub(super) const SIDE: usize = 32;
+pub(super) const SIDE: usize = simd::LINE_CELLS;
 /// Cells of a tile.
 pub(super) const CELLS: usize = SIDE * SIDE;
 /// Padding before and after a line; the innermost padding cell holds the neighboring tile's edge.
-const PAD: usize = 8;
+const PAD: usize = simd::LINE_PAD;
 const LINE: usize = SIDE + 2 * PAD;
 
 /// Cost of a cell that no path enters.
@@ -18,16 +20,14 @@ pub(super) const BLOCKED: f64 = f64::INFINITY;
 /// by adding a step.
 pub(super) const UNREACHED: f64 = 1e300;
 
-/// A row or column of cells with the neighboring tiles' cells at both ends.
-#[derive(Clone, Copy)]
+/// Rows or columns with the neighboring tiles' cells at both ends: 1 to `SIDE` are the tile's own, 0 and `SIDE + 1`
+/// belong to its neighbors.
 #[repr(align(64))]
-struct Line([f64; LINE]);
-
-/// The lines 1 to `SIDE` are the tile's own, 0 and `SIDE + 1` belong to its neighbors.
-type Lines = [Line; SIDE + 2];
+struct Lines([Line; SIDE + 2]);
 
 /// Costs of straight steps into the cells.
-type Entries = [[f64; SIDE]; SIDE];
+#[repr(align(64))]
+struct Entries([[f64; SIDE]; SIDE]);
 
 /// Which lines have been lowered since their neighbors in one direction were relaxed: bit `i` is line `i`.
 #[derive(Clone, Copy, Default)]
@@ -43,8 +43,12 @@ impl Lowered {
     }
 
     fn mark(&mut self, line: usize) {
-        self.onwards |= 1 << line;
-        self.backwards |= 1 << line;
+        self.mark_all(1 << line);
+    }
+
+    fn mark_all(&mut self, lines: u64) {
+        self.onwards |= lines;
+        self.backwards |= lines;
     }
 }
 
@@ -56,6 +60,8 @@ pub(super) struct TileSolver {
     col_entries: Entries,
     lowered_rows: Lowered,
     lowered_cols: Lowered,
+    /// First and last row, first and last column as they were loaded.
+    before: [[f64; SIDE]; 4],
 }
 
 /// How steps are priced and where they may go.
@@ -69,30 +75,49 @@ pub(super) struct Steps {
 
 impl TileSolver {
     pub(super) fn new() -> Box<Self> {
-        let lines = [Line([BLOCKED; LINE]); SIDE + 2];
         Box::new(Self {
-            rows: lines,
-            cols: lines,
-            row_entries: [[BLOCKED; SIDE]; SIDE],
-            col_entries: [[BLOCKED; SIDE]; SIDE],
+            rows: Lines([[BLOCKED; LINE]; SIDE + 2]),
+            cols: Lines([[BLOCKED; LINE]; SIDE + 2]),
+            row_entries: Entries([[BLOCKED; SIDE]; SIDE]),
+            col_entries: Entries([[BLOCKED; SIDE]; SIDE]),
             lowered_rows: Lowered::default(),
             lowered_cols: Lowered::default(),
+            before: [[BLOCKED; SIDE]; 4],
         })
     }
 
     /// Loads a tile's costs and entry costs, row by row.
     #[inline(always)]
-    pub(super) fn load(&mut self, costs: &[f64; CELLS], entries: &[f64; CELLS]) {
+    pub(super) fn load<V: Vectors>(&mut self, costs: &[f64; CELLS], entries: &[f64; CELLS]) {
         let (costs, _) = costs.as_chunks::<SIDE>();
         let (entries, _) = entries.as_chunks::<SIDE>();
         for (i, (cost, entry)) in costs.iter().zip(entries).enumerate() {
-            self.rows[i + 1].0[PAD..PAD + SIDE].copy_from_slice(cost);
-            self.row_entries[i] = *entry;
+            self.rows.0[i + 1][PAD..PAD + SIDE].copy_from_slice(cost);
+            self.row_entries.0[i] = *entry;
         }
-        transpose_costs(&self.rows, &mut self.cols);
-        transpose(&self.row_entries, &mut self.col_entries);
+        copy_transposed::<V>(&self.rows, &mut self.cols);
+        self.begin::<V>();
+    }
+
+    /// Loads a tile that no path has reached so far.
+    #[inline(always)]
+    pub(super) fn load_fresh<V: Vectors>(&mut self, entries: &[f64; CELLS]) {
+        let (entries, _) = entries.as_chunks::<SIDE>();
+        for (i, entry) in entries.iter().enumerate() {
+            self.rows.0[i + 1][PAD..PAD + SIDE].copy_from_slice(&entry.map(super::before_any_path));
+            self.row_entries.0[i] = *entry;
+        }
+        copy_transposed::<V>(&self.rows, &mut self.cols);
+        self.begin::<V>();
+    }
+
+    #[inline(always)]
+    fn begin<V: Vectors>(&mut self) {
+        V::transpose(self.row_entries.0.as_flattened(), SIDE, self.col_entries.0.as_flattened_mut(), SIDE);
         self.lowered_rows = Lowered::default();
         self.lowered_cols = Lowered::default();
+        let outer = [&self.rows.0[1], &self.rows.0[SIDE], &self.cols.0[1], &self.cols.0[SIDE]];
+        self.before = outer.map(|line| *own_cells(line));
     }
 
     /// Sets the edges of the neighbors below, above, left and right; `BLOCKED` where there is none.
@@ -100,23 +125,23 @@ impl TileSolver {
     pub(super) fn set_edges(&mut self, edges: [&[f64; SIDE]; 4], corners: [f64; 4]) {
         let [below, above, left, right] = edges;
         for i in 0..SIDE {
-            self.cols[i + 1].0[PAD - 1] = below[i];
-            self.cols[i + 1].0[PAD + SIDE] = above[i];
-            self.rows[i + 1].0[PAD - 1] = left[i];
-            self.rows[i + 1].0[PAD + SIDE] = right[i];
+            self.cols.0[i + 1][PAD - 1] = below[i];
+            self.cols.0[i + 1][PAD + SIDE] = above[i];
+            self.rows.0[i + 1][PAD - 1] = left[i];
+            self.rows.0[i + 1][PAD + SIDE] = right[i];
         }
         let whole = |edge: &[f64; SIDE], before: f64, after: f64| {
-            let mut line = Line([BLOCKED; LINE]);
-            line.0[PAD..PAD + SIDE].copy_from_slice(edge);
-            line.0[PAD - 1] = before;
-            line.0[PAD + SIDE] = after;
+            let mut line = [BLOCKED; LINE];
+            line[PAD..PAD + SIDE].copy_from_slice(edge);
+            line[PAD - 1] = before;
+            line[PAD + SIDE] = after;
             line
         };
         let [below_left, below_right, above_left, above_right] = corners;
-        self.rows[0] = whole(below, below_left, below_right);
-        self.rows[SIDE + 1] = whole(above, above_left, above_right);
-        self.cols[0] = whole(left, below_left, above_left);
-        self.cols[SIDE + 1] = whole(right, below_right, above_right);
+        self.rows.0[0] = whole(below, below_left, below_right);
+        self.rows.0[SIDE + 1] = whole(above, above_left, above_right);
+        self.cols.0[0] = whole(left, below_left, above_left);
+        self.cols.0[SIDE + 1] = whole(right, below_right, above_right);
     }
 
     /// Marks what changed around the tile: bits as [`Side`].
@@ -143,18 +168,23 @@ impl TileSolver {
 
     /// Relaxes until nothing in the tile can be lowered.
     #[inline(always)]
-    pub(super) fn settle(&mut self, steps: Steps) {
-        if steps.corner_cutting { self.settle_with::<true>(steps) } else { self.settle_with::<false>(steps) }
+    pub(super) fn settle<V: Vectors>(&mut self, steps: Steps) {
+        if steps.corner_cutting {
+            self.settle_with::<V, true>(steps)
+        } else {
+            self.settle_with::<V, false>(steps)
+        }
     }
 
     #[inline(always)]
-    fn settle_with<const CUTTING: bool>(&mut self, steps: Steps) {
+    fn settle_with<V: Vectors, const CUTTING: bool>(&mut self, steps: Steps) {
         let extra = steps.diagonal_extra;
         loop {
             if self.lowered_rows.any() {
-                let lowered = sweep::<CUTTING>(&mut self.rows, &self.row_entries, &mut self.lowered_rows, extra);
+                let lowered =
+                    sweep::<V, CUTTING>(&mut self.rows, &self.row_entries, &mut self.lowered_rows, extra);
                 if lowered {
-                    copy_transposed(&self.rows, &mut self.cols, &mut self.lowered_cols);
+                    self.lowered_cols.mark_all(copy_transposed::<V>(&self.rows, &mut self.cols));
                 }
             }
             if !self.lowered_cols.any() {
@@ -163,25 +193,20 @@ impl TileSolver {
                 }
                 return;
             }
-            let lowered = sweep::<CUTTING>(&mut self.cols, &self.col_entries, &mut self.lowered_cols, extra);
+            let lowered =
+                sweep::<V, CUTTING>(&mut self.cols, &self.col_entries, &mut self.lowered_cols, extra);
             if lowered {
-                copy_transposed(&self.cols, &mut self.rows, &mut self.lowered_rows);
+                self.lowered_rows.mark_all(copy_transposed::<V>(&self.cols, &mut self.rows));
             }
         }
     }
 
     /// What each tile around could gain, in the order of [`crate::NEIGHBORS_8`]: a lower bound on the smallest cost it
-    /// could lower a cell to, or more than `UNREACHED` when nothing. `costs` and `side_cols` are those before.
+    /// could lower a cell to, or more than `UNREACHED` when nothing.
     #[inline(always)]
-    pub(super) fn news(
-        &self,
-        costs: &[f64; CELLS],
-        side_cols: &[[f64; SIDE]; 2],
-        steps: Steps,
-        least_entry: f64,
-    ) -> [f64; 8] {
+    pub(super) fn news(&self, steps: Steps, least_entry: f64) -> [f64; 8] {
         let extra = steps.diagonal_extra;
-        let (rows_before, _) = costs.as_chunks::<SIDE>();
+        let [first_row, last_row, first_col, last_col] = &self.before;
         let along = |line: &Line, beyond: &Line, before: &[f64; SIDE]| {
             gain(own_cells(line), own_cells(beyond), before, extra, least_entry)
         };
@@ -189,30 +214,30 @@ impl TileSolver {
             let offer = own + extra + least_entry;
             if own < before && beyond != BLOCKED && offer < beyond { offer } else { BLOCKED }
         };
-        let corner = |row: usize, col: usize, beyond_row: usize, beyond_col: usize| {
-            let own = self.rows[row + 1].0[PAD + col];
-            across(own, rows_before[row][col], self.rows[beyond_row].0[PAD + beyond_col - 1])
+        let corner = |row: usize, col: usize, before: f64, beyond_row: usize, beyond_col: usize| {
+            let own = self.rows.0[row + 1][PAD + col];
+            across(own, before, self.rows.0[beyond_row][PAD + beyond_col - 1])
         };
         const LAST: usize = SIDE - 1;
         [
-            along(&self.cols[SIDE], &self.cols[SIDE + 1], &side_cols[1]),
-            corner(LAST, LAST, SIDE + 1, SIDE + 1),
-            along(&self.rows[SIDE], &self.rows[SIDE + 1], &rows_before[LAST]),
-            corner(LAST, 0, SIDE + 1, 0),
-            along(&self.cols[1], &self.cols[0], &side_cols[0]),
-            corner(0, 0, 0, 0),
-            along(&self.rows[1], &self.rows[0], &rows_before[0]),
-            corner(0, LAST, 0, SIDE + 1),
+            along(&self.cols.0[SIDE], &self.cols.0[SIDE + 1], last_col),
+            corner(LAST, LAST, last_row[LAST], SIDE + 1, SIDE + 1),
+            along(&self.rows.0[SIDE], &self.rows.0[SIDE + 1], last_row),
+            corner(LAST, 0, last_row[0], SIDE + 1, 0),
+            along(&self.cols.0[1], &self.cols.0[0], first_col),
+            corner(0, 0, first_row[0], 0, 0),
+            along(&self.rows.0[1], &self.rows.0[0], first_row),
+            corner(0, LAST, first_row[LAST], 0, SIDE + 1),
         ]
     }
 
     /// Writes the tile's costs and its outer columns back.
     #[inline(always)]
     pub(super) fn store(&self, costs: &mut [f64; CELLS], side_cols: &mut [[f64; SIDE]; 2]) {
-        for (to, from) in costs.chunks_exact_mut(SIDE).zip(&self.rows[1..]) {
+        for (to, from) in costs.chunks_exact_mut(SIDE).zip(&self.rows.0[1..]) {
             to.copy_from_slice(own_cells(from));
         }
-        *side_cols = [*own_cells(&self.cols[1]), *own_cells(&self.cols[SIDE])];
+        *side_cols = [*own_cells(&self.cols.0[1]), *own_cells(&self.cols.0[SIDE])];
     }
 }
 
@@ -246,17 +271,22 @@ pub(super) enum Side {
 #[inline(always)]
 fn own_cells(line: &Line) -> &[f64; SIDE] {
     // The length is a constant, so this never falls back.
-    line.0[PAD..].first_chunk().unwrap_or(&[BLOCKED; SIDE])
+    line[PAD..].first_chunk().unwrap_or(&[BLOCKED; SIDE])
 }
 
 /// Relaxes lines onwards, then backwards, wherever the line before was lowered. Tells whether anything was.
 #[inline(always)]
-fn sweep<const CUTTING: bool>(lines: &mut Lines, entries: &Entries, lowered: &mut Lowered, extra: f64) -> bool {
+fn sweep<V: Vectors, const CUTTING: bool>(
+    lines: &mut Lines,
+    entries: &Entries,
+    lowered: &mut Lowered,
+    extra: f64,
+) -> bool {
     let mut any = false;
     for line in 1..=SIDE {
         if lowered.onwards >> (line - 1) & 1 != 0 {
-            let (before, after) = lines.split_at_mut(line);
-            if relax_line::<CUTTING>(&before[line - 1], &mut after[0], &entries[line - 1], extra) {
+            let (before, after) = lines.0.split_at_mut(line);
+            if V::relax_line::<CUTTING>(&before[line - 1], &mut after[0], &entries.0[line - 1], extra) {
                 lowered.mark(line);
                 any = true;
             }
@@ -265,8 +295,8 @@ fn sweep<const CUTTING: bool>(lines: &mut Lines, entries: &Entries, lowered: &mu
     lowered.onwards = 0;
     for line in (1..=SIDE).rev() {
         if lowered.backwards >> (line + 1) & 1 != 0 {
-            let (before, after) = lines.split_at_mut(line + 1);
-            if relax_line::<CUTTING>(&after[0], &mut before[line], &entries[line - 1], extra) {
+            let (before, after) = lines.0.split_at_mut(line + 1);
+            if V::relax_line::<CUTTING>(&after[0], &mut before[line], &entries.0[line - 1], extra) {
                 lowered.mark(line);
                 any = true;
             }
@@ -276,68 +306,10 @@ fn sweep<const CUTTING: bool>(lines: &mut Lines, entries: &Entries, lowered: &mu
     any
 }
 
-/// Lowers the cells of a line by steps from the line beside it.
+/// Copies the tile's own cells into the other layout; bit `i` of the answer says that line `i` was lowered.
 #[inline(always)]
-fn relax_line<const CUTTING: bool>(from: &Line, to: &mut Line, entries: &[f64; SIDE], extra: f64) -> bool {
-    // A diagonal step into a cell squeezes between the cell before it in its own line and its straight source.
-    let mut diagonal = [0.0; SIDE + 2];
-    for i in 0..SIDE + 2 {
-        let (source, beside) = (from.0[PAD - 1 + i], to.0[PAD - 1 + i]);
-        diagonal[i] = if !CUTTING && beside == BLOCKED { BLOCKED } else { source };
-    }
-    let mut any = 0_u64;
-    for i in 0..SIDE {
-        let straight = from.0[PAD + i];
-        let slanted = lesser(diagonal[i], diagonal[i + 2]) + extra;
-        let slanted = if !CUTTING && straight == BLOCKED { BLOCKED } else { slanted };
-        let lower = lesser(straight, slanted) + entries[i];
-        let present = to.0[PAD + i];
-        any |= u64::from(lower < present);
-        to.0[PAD + i] = lesser(lower, present);
-    }
-    any != 0
-}
-
-/// The smaller of two numbers that are never NaN: one instruction, where `f64::min` needs three.
-#[inline(always)]
-fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn transpose(from: &Entries, to: &mut Entries) {
-    for (i, line) in to.iter_mut().enumerate() {
-        for (cell, source) in line.iter_mut().zip(from) {
-            *cell = source[i];
-        }
-    }
-}
-
-#[inline(always)]
-fn transpose_costs(from: &Lines, to: &mut Lines) {
-    for i in 0..SIDE {
-        for j in 0..SIDE {
-            to[i + 1].0[PAD + j] = from[j + 1].0[PAD + i];
-        }
-    }
-}
-
-/// Copies the tile's own cells into the other layout and marks the lines that differ.
-#[inline(always)]
-fn copy_transposed(from: &Lines, to: &mut Lines, lowered: &mut Lowered) {
-    for i in 0..SIDE {
-        let mut line = [0.0; SIDE];
-        for j in 0..SIDE {
-            line[j] = from[j + 1].0[PAD + i];
-        }
-        let present = &mut to[i + 1].0[PAD..PAD + SIDE];
-        let mut any = 0_u64;
-        for j in 0..SIDE {
-            any |= u64::from(line[j] < present[j]);
-            present[j] = line[j];
-        }
-        if any != 0 {
-            lowered.mark(i + 1);
-        }
-    }
+fn copy_transposed<V: Vectors>(from: &Lines, to: &mut Lines) -> u64 {
+    let first_own = LINE + PAD;
+    V::transpose(&from.0.as_flattened()[first_own..], LINE, &mut to.0.as_flattened_mut()[first_own..], LINE)
+        << 1
 }
