@@ -8,7 +8,9 @@ pub mod distance_field;
 pub mod generated_world;
 mod grid_size;
 pub mod map_file;
+pub mod proximity;
 pub mod ray;
+pub mod segment;
 pub mod simd;
 pub mod world_file;
 
