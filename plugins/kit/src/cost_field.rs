@@ -159,6 +159,43 @@ impl CostField {
         self.entries[tile][inside]
     }
 
+    /// The neighbor in one of the directions of [`crate::NEIGHBORS_8`], if a step may lead there.
+    pub fn neighbor(&self, cell: usize, direction: usize, corner_cutting: bool) -> Option<usize> {
+        let (dx, dy) = *crate::NEIGHBORS_8.get(direction)?;
+        let is_open = |cell: &usize| self.entry_cost(*cell) < BLOCKED;
+        let next = self.size.neighbor(cell, dx, dy).filter(is_open)?;
+        let is_clear = dx == 0
+            || dy == 0
+            || corner_cutting
+            || [(dx, 0), (0, dy)]
+                .iter()
+                .all(|&(x, y)| self.size.neighbor(cell, x, y).is_some_and(|c| is_open(&c)));
+        is_clear.then_some(next)
+    }
+
+    /// The cells of a cheapest path from `cell` to the source, both included; `None` when there is no path or the
+    /// growth stopped before the cell was settled.
+    pub fn cheapest_path(&self, cell: usize) -> Option<Vec<usize>> {
+        let mut path = vec![cell];
+        let mut cell = cell;
+        while self.cost(cell) > 0.0 {
+            let offer = |direction: usize| {
+                let next = self.neighbor(cell, direction, self.steps.corner_cutting)?;
+                // The same sums as in the field, so that the neighbor the cost came from is found to the bit.
+                let extra = if direction % 2 == 1 { self.steps.diagonal_extra } else { 0.0 };
+                Some((self.cost(next) + extra + self.entry_cost(cell), next))
+            };
+            let offers = (0..crate::NEIGHBORS_8.len()).filter_map(offer);
+            let (cost, next) = offers.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            if !cost.is_finite() || self.cost(next) >= self.cost(cell) {
+                return None;
+            }
+            path.push(next);
+            cell = next;
+        }
+        Some(path)
+    }
+
     /// All costs, row by row.
     pub fn to_vec(&self) -> Vec<f64> {
         (0..self.size.n_cells()).map(|cell| self.cost(cell)).collect()

@@ -32,8 +32,12 @@ pub struct ProximityMap {
     distances: Vec<f64>,
 }
 
-/// Steps to one cell-unit in which distances are counted.
+/// Distances are counted in this fraction of a cell.
 const UNITS_PER_CELL: f64 = (1_u64 << 36) as f64;
+
+fn rounded(length: f64) -> f64 {
+    (length * UNITS_PER_CELL).round() / UNITS_PER_CELL
+}
 
 impl ProximityMap {
     /// The map of these cells; `diagonal_step` is the length of a diagonal step, from 1 to 2.
@@ -48,7 +52,7 @@ impl ProximityMap {
         assert_eq!(kinds.len(), size.n_cells(), "one kind per cell");
         assert!((1.0..=2.0).contains(&diagonal_step), "a diagonal step is {diagonal_step} cells long");
         self.size = size;
-        self.diagonal_step = (diagonal_step * UNITS_PER_CELL).round() / UNITS_PER_CELL;
+        self.diagonal_step = rounded(diagonal_step);
         self.kinds.clear();
         self.kinds.extend_from_slice(kinds);
         self.distances.clear();
@@ -77,6 +81,11 @@ impl ProximityMap {
     /// Size of the map.
     pub fn size(&self) -> GridSize {
         self.size
+    }
+
+    /// Whether the map was made for this length of a diagonal step.
+    pub fn is_for_step(&self, diagonal_step: f64) -> bool {
+        self.diagonal_step == rounded(diagonal_step)
     }
 
     /// Distances, row by row, in cells.

@@ -1,0 +1,10 @@
+//! `dp`: keeps away from obstacles, then goes to the goal, then turns little. Hernández Alamilla (2005), chapter 3.
+//!
+//! An obstacle-proximity map gives every cell a cost, a cost-to-goal field the cheapest path, and straight segments
+//! replace what they can of it.
+
+pub mod checkpoints;
+pub mod cost_map;
+pub mod descent;
+pub mod grid_dp;
+pub mod obstruction;
