@@ -3,8 +3,19 @@
 //! An obstacle-proximity map gives every cell a cost, a cost-to-goal field the cheapest path, and straight segments
 //! replace what they can of it.
 
-pub mod checkpoints;
+mod params;
+pub mod plugin;
+
+pub mod grid_dp;
+
 pub mod cost_map;
 pub mod descent;
-pub mod grid_dp;
+
+pub mod checkpoints;
+
 pub mod obstruction;
+
+pub use params::DpParams;
+
+#[cfg(test)]
+mod tests;

@@ -84,8 +84,6 @@ fn random_plans_keep_their_clearance_and_turn_as_little_as_the_reference() {
     for (map, (name, reference)) in maps["map"].as_array().unwrap().iter().zip(REFERENCE) {
         assert_eq!(map["name"].as_str(), Some(name));
         let [before, strict, fallback] = plan_200(&load(map)).map(|t| t.mean());
-        eprintln!("{name}: before {before:.2?}, strict {strict:.2?}, with fallback {fallback:.2?}");
-        eprintln!("{name}: reference {reference:.2?}");
         // Other random pairs than the reference's: the means scatter by a few percent.
         assert!((before[1] / reference[0][1] - 1.0).abs() < 0.15, "{name}: mean length {before:?}");
         assert!(fallback[0] <= strict[0] && strict[0] < before[0], "{name}");
