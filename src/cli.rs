@@ -1,0 +1,88 @@
+//! The command line: verbs, and what becomes of each.
+
+use crate::exit::Failure;
+use crate::terminal::Terminal;
+use crate::{check, completions, config, plot, plugins, run, schema, test};
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0    it worked: the robot arrived, the tests passed, the file has no faults
+  1    it ran, but the robot did not arrive, or a test failed
+  2    the input has faults: the pipeline, a file that it names, or the command line
+  3    rumbo itself failed: a file cannot be written, or there is a bug
+  130  interrupted; the robot was stopped first
+
+Results go to standard output, everything for people to standard error.
+NO_COLOR and --color never switch colors off.";
+
+/// A robot navigation system from one TOML file.
+#[derive(Parser)]
+#[command(name = "rumbo", version, about, after_help = EXIT_CODES, max_term_width = 100, propagate_version = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    verb: Verb,
+    /// Colors on the terminal
+    #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
+    color: Color,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Color {
+    Auto,
+    Always,
+    Never,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Run(run::Args),
+    Check(check::Args),
+    Config(config::Args),
+    Schema(schema::Args),
+    Plugins(plugins::Args),
+    Test(test::Args),
+    Plot(plot::Args),
+    Completions(completions::Args),
+}
+
+/// Does what the command line says.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let terminal = Terminal::new(match cli.color {
+        Color::Auto => None,
+        Color::Always => Some(true),
+        Color::Never => Some(false),
+    });
+    let result = match &cli.verb {
+        Verb::Run(args) => run::run(args, &terminal),
+        Verb::Check(args) => check::run(args, &terminal),
+        Verb::Config(args) => config::run(args, &terminal),
+        Verb::Schema(args) => schema::run(args, &terminal),
+        Verb::Plugins(args) => plugins::run(args, &terminal),
+        Verb::Test(args) => test::run(args, &terminal),
+        Verb::Plot(args) => plot::run(args, &terminal),
+        Verb::Completions(args) => completions::run(args, &terminal),
+    };
+    let exit = result.unwrap_or_else(|failure| {
+        match &failure {
+            Failure::Usage(message) | Failure::Internal(message) => terminal.error(message),
+            // Nobody reads on: there is nobody to tell.
+            Failure::Told(_) | Failure::NobodyReads => {}
+        }
+        failure.exit()
+    });
+    exit.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+}

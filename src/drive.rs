@@ -1,0 +1,30 @@
+//! One run of a pipeline, watched.
+
+use crate::outcome::Outcome;
+use crate::record::{Recorder, RunRecord};
+use rumbo_core::engine::{Engine, EngineError, Metrics, Observer};
+use rumbo_core::pipeline::Pipeline;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Drives the pipeline to its end. `others` watch too; `file` and `config` go into the record.
+pub fn drive(
+    pipeline: &Pipeline,
+    file: &str,
+    config: &str,
+    others: &mut [&mut dyn Observer],
+    interrupt: &AtomicBool,
+) -> Result<RunRecord, EngineError> {
+    let mut engine = Engine::build(pipeline)?;
+    let (mut metrics, mut recorder) = (Metrics::new(), Recorder::default());
+    let clock = Instant::now();
+    let end = {
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut metrics, &mut recorder];
+        observers.extend(others.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
+        engine.run(&mut observers, interrupt)
+    };
+    let outcome = Outcome::new(pipeline, &metrics, &end, clock.elapsed());
+    let mut record = recorder.finish(pipeline, file, engine.view().map, config.to_owned());
+    record.outcome = Some(outcome);
+    Ok(record)
+}

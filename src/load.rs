@@ -1,0 +1,102 @@
+//! From a file to a pipeline, or to all its faults.
+
+use crate::exit::{Exit, Failure};
+use crate::terminal::Terminal;
+use rumbo_core::document::{to_commented_toml, to_json};
+use rumbo_core::engine::EngineError;
+use rumbo_core::pipeline::{Loaded, Pipeline};
+use rumbo_core::registry::Registry;
+use std::path::Path;
+
+/// A pipeline that can be built, and the file that it came from.
+pub struct Ready {
+    /// The pipeline.
+    pub pipeline: Pipeline,
+    /// The effective file, with the origin of each value.
+    pub config: String,
+    loaded: Loaded,
+}
+
+impl Ready {
+    /// The effective file and the origin of each value, for programs.
+    pub fn to_json(&self) -> serde_json::Value {
+        to_json(&self.loaded.effective(), &self.loaded.document.sources)
+    }
+
+    /// Why the engine could not be built, with the line of the file where that is known.
+    pub fn explain(&self, error: &EngineError, json: bool, terminal: &Terminal) -> Failure {
+        let mut loaded = self.loaded.clone();
+        loaded.check();
+        if loaded.faults.is_empty() {
+            return Failure::Usage(error.to_string());
+        }
+        Refused::new(loaded).tell(json, terminal)
+    }
+}
+
+/// A pipeline that was refused.
+pub struct Refused {
+    loaded: Box<Loaded>,
+}
+
+impl Refused {
+    fn new(loaded: Loaded) -> Refused {
+        Refused { loaded: Box::new(loaded) }
+    }
+
+    /// The faults for people.
+    pub fn show(&self, terminal: &Terminal) {
+        for line in self.loaded.lines() {
+            terminal.say(line);
+        }
+    }
+
+    /// The faults for programs.
+    pub fn to_json(&self) -> serde_json::Value {
+        let sources = &self.loaded.document.sources;
+        self.loaded.faults.iter().map(|fault| fault.to_json(sources)).collect()
+    }
+
+    /// Shows the faults to people, and to programs where they asked for it.
+    pub fn tell(&self, json: bool, terminal: &Terminal) -> Failure {
+        self.show(terminal);
+        let shown =
+            if json { terminal.json(&serde_json::json!({ "faults": self.to_json() })) } else { Ok(()) };
+        shown.err().unwrap_or(Failure::Told(Exit::Faults))
+    }
+}
+
+/// Everything that is shipped.
+pub fn registry() -> Result<Registry, Failure> {
+    Registry::linked().map_err(|error| Failure::Internal(error.to_string()))
+}
+
+/// Reads a pipeline and proves that its parts fit together.
+pub fn load(path: &Path, sets: &[String], registry: &Registry) -> Result<Ready, Refused> {
+    let loaded = Loaded::read(path, sets, registry);
+    match loaded.sound() {
+        Some(pipeline) => {
+            let config = to_commented_toml(&loaded.effective(), &loaded.document.sources);
+            Ok(Ready { pipeline: pipeline.clone(), config, loaded })
+        }
+        None => Err(Refused::new(loaded)),
+    }
+}
+
+/// As [`load`], and looks at the files that the pipeline names, too.
+pub fn load_and_check(path: &Path, sets: &[String], registry: &Registry) -> Result<(), Refused> {
+    let mut loaded = Loaded::read(path, sets, registry);
+    loaded.check();
+    if loaded.sound().is_some() { Ok(()) } else { Err(Refused::new(loaded)) }
+}
+
+/// Reads a pipeline, or shows its faults.
+pub fn pipeline(path: &Path, sets: &[String], json: bool, terminal: &Terminal) -> Result<Ready, Failure> {
+    load(path, sets, &registry()?).map_err(|refused| refused.tell(json, terminal))
+}
+
+/// `, did you mean ...?`, or nothing where no name is near.
+pub fn did_you_mean<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    let near = rumbo_core::document::did_you_mean(word, known);
+    near.map(|name| format!(", did you mean `{name}`?")).unwrap_or_default()
+}

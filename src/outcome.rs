@@ -1,0 +1,133 @@
+//! The figures of one run, as `--json` prints them and saved runs keep them.
+
+use rumbo_core::engine::{EndReason, Metrics, Part, RunEnd};
+use rumbo_core::pipeline::Pipeline;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+/// The figures of one run. Two runs of the same pipeline and seed differ in `realtime_factor` and `cpu_*` only.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
+    /// Name of the pipeline.
+    pub pipeline: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// All waypoints were reached.
+    pub arrived: bool,
+    /// Why the run ended.
+    pub reason: EndReason,
+    /// More about the end, for people.
+    pub detail: Option<String>,
+    /// Time in the world, seconds.
+    pub time_s: f64,
+    /// Way driven, meters.
+    pub path_m: f64,
+    /// True end to the last goal, meters.
+    pub goal_error_m: Option<f64>,
+    /// Last estimate to the truth, meters.
+    pub final_error_m: Option<f64>,
+    /// Last estimate to the truth, degrees.
+    pub final_heading_error_deg: Option<f64>,
+    /// Root mean square of estimate to truth, meters.
+    pub rms_error_m: Option<f64>,
+    /// 95 % of the steps are below this, estimate to truth, meters.
+    pub p95_error_m: Option<f64>,
+    /// Hull to obstacle at the least, meters.
+    pub min_clearance_m: Option<f64>,
+    /// How often contact began.
+    pub contacts: Option<u32>,
+    /// New plans after the first of each goal.
+    pub replans: u32,
+    /// How often the guard stepped in.
+    pub guard_interventions: u32,
+    /// How often a stage failed.
+    pub stage_failures: u32,
+    /// Steps of the engine.
+    pub steps: u64,
+    /// Time in the world over time on the wall.
+    pub realtime_factor: Option<f64>,
+    /// `cpu_<part>_s`: time on the wall that each part of the steps used, seconds.
+    #[serde(flatten)]
+    pub cpu: BTreeMap<String, f64>,
+}
+
+impl Outcome {
+    /// The figures of a run that ended.
+    pub fn new(pipeline: &Pipeline, metrics: &Metrics, end: &RunEnd, wall: Duration) -> Outcome {
+        let summary = metrics.summary(end.reason, end.detail.clone());
+        let mut cpu: BTreeMap<String, f64> = Part::ALL
+            .into_iter()
+            .map(|part| (format!("cpu_{}_s", part.name()), metrics.times().of(part).as_secs_f64()))
+            .collect();
+        cpu.insert("cpu_total_s".into(), metrics.times().total().as_secs_f64());
+        Outcome {
+            pipeline: pipeline.name.clone(),
+            seed: pipeline.seed,
+            arrived: summary.arrived,
+            reason: summary.reason,
+            detail: summary.detail,
+            time_s: summary.time_s,
+            path_m: summary.path_m,
+            goal_error_m: summary.goal_error_m,
+            final_error_m: summary.final_error_m,
+            final_heading_error_deg: summary.final_heading_error_deg,
+            rms_error_m: summary.rms_error_m,
+            p95_error_m: summary.p95_error_m,
+            min_clearance_m: summary.min_clearance_m,
+            contacts: summary.contacts,
+            replans: summary.replans,
+            guard_interventions: summary.guard_interventions,
+            stage_failures: summary.stage_failures,
+            steps: summary.steps,
+            realtime_factor: (wall > Duration::ZERO).then(|| summary.time_s / wall.as_secs_f64()),
+            cpu,
+        }
+    }
+
+    /// The run did what it was for.
+    pub fn is_success(&self) -> bool {
+        self.arrived || matches!(self.reason, EndReason::Ended | EndReason::Finished)
+    }
+
+    /// Time used by one part, seconds.
+    pub fn cpu_s(&self, part: Part) -> f64 {
+        self.cpu.get(&format!("cpu_{}_s", part.name())).copied().unwrap_or(0.0)
+    }
+
+    /// What to try next, where the run did not succeed.
+    pub fn hint(&self) -> Option<&'static str> {
+        Some(match self.reason {
+            EndReason::Unreachable => {
+                "look at the picture: is the way really closed? A smaller clearance of the planner may open it"
+            }
+            EndReason::Stuck => {
+                "the same place was planned around again and again; see the events in the report"
+            }
+            EndReason::Timeout => "raise `mission.goal_timeout_s`, or look in the report where the time went",
+            EndReason::TimeLimit => {
+                "raise `mission.time_limit_s` (or --duration), or look in the report why it took so long"
+            }
+            EndReason::PlannerFailed => "move the start or the goal to a free place, or name another planner",
+            EndReason::StageFailed => "the events in the report name the stage and what it said",
+            EndReason::WorldFailed => "the world cannot go on; see its message above",
+            _ => return None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::record::test_record;
+
+    #[test]
+    fn the_json_has_every_promised_field_on_one_level() {
+        let json = serde_json::to_value(test_record().outcome).unwrap();
+        for field in "arrived reason time_s path_m goal_error_m final_error_m rms_error_m p95_error_m \
+                      min_clearance_m contacts replans guard_interventions realtime_factor cpu_planner_s"
+            .split_whitespace()
+        {
+            assert!(json.get(field).is_some(), "{field}");
+        }
+    }
+}

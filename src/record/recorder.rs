@@ -1,0 +1,154 @@
+//! The observer that writes a run down.
+
+use super::{EventRecord, PathRecord, RunRecord, SCHEMA, Sample, outline_of};
+use crate::picture::MapImage;
+use rumbo_core::engine::{EventKind, Observer, State, StepView};
+use rumbo_core::frames::{Pose2, flatten};
+use rumbo_core::map::Map;
+use rumbo_core::pipeline::Pipeline;
+use rumbo_core::time::{Span, Time};
+use std::collections::BTreeSet;
+
+/// Moments that are kept at most; when they are full every second one is dropped and half as many are taken.
+const ROOM: usize = 4096;
+/// Events that are kept at most: a table that a person reads.
+const EVENTS: usize = 400;
+/// Paths that are kept at most; the first and the latest.
+const PATHS: usize = 64;
+
+/// Writes a run down at a fixed period of the world's time.
+pub struct Recorder {
+    period: Span,
+    due: Time,
+    samples: Vec<Sample>,
+    paths: Vec<PathRecord>,
+    path_number: u64,
+    /// Obstacles in hundredths of a meter, so that the same one is kept once.
+    obstacles: BTreeSet<[i32; 3]>,
+    events: Vec<EventRecord>,
+    n_events_left_out: usize,
+    start: Option<[f64; 3]>,
+}
+
+impl Default for Recorder {
+    fn default() -> Self {
+        Recorder {
+            period: Span::from_secs(0.1),
+            due: Time::ZERO,
+            samples: Vec::with_capacity(ROOM),
+            paths: Vec::new(),
+            path_number: 0,
+            obstacles: BTreeSet::new(),
+            events: Vec::with_capacity(EVENTS),
+            n_events_left_out: 0,
+            start: None,
+        }
+    }
+}
+
+impl Recorder {
+    /// Everything that was written down, with the map as the run left it.
+    pub fn finish(self, pipeline: &Pipeline, file: &str, map: &Map, config: String) -> RunRecord {
+        let mission = &pipeline.mission;
+        RunRecord {
+            schema: SCHEMA,
+            name: pipeline.name.clone(),
+            file: file.to_owned(),
+            outcome: None,
+            hull: outline_of(&pipeline.robot.hull()),
+            arrival_radius_m: mission.arrival_radius_m,
+            start: self.start,
+            goals: mission.waypoints.iter().map(|waypoint| [waypoint.x_m, waypoint.y_m]).collect(),
+            samples: self.samples,
+            paths: self.paths,
+            obstacles: self.obstacles.iter().map(|cm| cm.map(|v| f64::from(v) * 0.01)).collect(),
+            events: self.events,
+            n_events_left_out: self.n_events_left_out,
+            map: map.grid.as_ref().and_then(MapImage::of),
+            seen: Vec::new(),
+            config,
+        }
+    }
+
+    fn sample(&mut self, view: &StepView<'_>) {
+        if view.now < self.due {
+            return;
+        }
+        self.due = view.now + self.period;
+        if self.samples.len() == ROOM {
+            let mut idx = 0;
+            self.samples.retain(|_| {
+                idx += 1;
+                idx % 2 == 1
+            });
+            self.period = Span(self.period.0 * 2);
+        }
+        let covariance = view.estimate.covariance2();
+        self.samples.push(Sample {
+            time_s: view.now.as_secs(),
+            truth: view.truth.map(|truth| numbers(&flatten(&truth.map_from_base))),
+            estimate: numbers(&view.map_from_base),
+            covariance: [covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]],
+            is_located: !matches!(view.state, State::NoMap | State::Lost | State::Localizing),
+            clearance_m: view.truth.map(|truth| truth.clearance_m).filter(|m| m.is_finite()),
+            speed_m_s: view.command.twist.forward_m_s.hypot(view.command.twist.left_m_s),
+            turn_rad_s: view.command.twist.turn_rad_s,
+        });
+    }
+
+    fn follow_path(&mut self, view: &StepView<'_>) {
+        if view.path_number == self.path_number {
+            return;
+        }
+        self.path_number = view.path_number;
+        let Some(path) = view.path else { return };
+        if self.paths.len() == PATHS {
+            self.paths.remove(1);
+        }
+        let points = path.points().iter().map(|point| [point.position.x, point.position.y]).collect();
+        self.paths.push(PathRecord { time_s: view.now.as_secs(), points });
+    }
+
+    fn note_events(&mut self, view: &StepView<'_>) {
+        for event in view.events {
+            if matches!(event.kind, EventKind::Blocked { .. }) {
+                let hundredths = |m: f64| (m * 100.0).round() as i32;
+                self.obstacles.extend(view.obstacles.iter().map(|obstacle| {
+                    [obstacle.position.x, obstacle.position.y, obstacle.radius_m].map(hundredths)
+                }));
+            }
+            if self.events.len() == EVENTS {
+                self.n_events_left_out += 1;
+                continue;
+            }
+            let is_trouble = !matches!(
+                event.kind,
+                EventKind::State { .. }
+                    | EventKind::Status(_)
+                    | EventKind::GoalAccepted(_)
+                    | EventKind::PlanRequested { .. }
+                    | EventKind::PlanFound { .. }
+                    | EventKind::Forgot { .. }
+                    | EventKind::Arrived(_)
+                    | EventKind::Relocalized
+            );
+            let (time_s, text) = (event.stamp.as_secs(), event.kind.to_string());
+            self.events.push(EventRecord { time_s, text, is_trouble });
+        }
+    }
+}
+
+impl Observer for Recorder {
+    fn on_step(&mut self, view: &StepView<'_>) {
+        if self.start.is_none() {
+            self.start = view.truth.map(|truth| numbers(&flatten(&truth.map_from_base)));
+        }
+        self.sample(view);
+        self.follow_path(view);
+        self.note_events(view);
+    }
+}
+
+fn numbers(pose: &Pose2) -> [f64; 3] {
+    [pose.translation.x, pose.translation.y, pose.rotation.angle()]
+}

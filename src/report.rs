@@ -1,0 +1,8 @@
+//! One HTML file that shows a whole run, works without a network, and can be read on a phone.
+
+mod charts;
+mod page;
+mod tables;
+
+pub use page::html;
+pub use tables::{Figure, figures};

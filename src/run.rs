@@ -1,0 +1,166 @@
+//! `rumbo run`: drives the robot and shows what happened.
+
+mod pace;
+mod progress;
+mod summary;
+
+use crate::drive::drive;
+use crate::exit::{Exit, Failure};
+use crate::load::{self, Ready};
+use crate::outcome::Outcome;
+use crate::picture::{Raster, poster};
+use crate::record::RunRecord;
+use crate::report;
+use crate::terminal::{Terminal, write_file};
+use pace::Pace;
+use progress::Progress;
+use rumbo_core::engine::{EndReason, Observer};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Run a pipeline: drive the robot and show what happened
+///
+/// Writes one HTML page and a picture below out/, named after the pipeline's file.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The pipeline
+    file: PathBuf,
+    /// Change a value, for example --set planner.minimum_clearance_m=0.2
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Seed of every random stream, instead of the pipeline's
+    #[arg(long)]
+    seed: Option<u64>,
+    /// The whole run may take this many seconds of the world's time
+    #[arg(long, value_name = "SECONDS", value_parser = above_zero)]
+    duration: Option<f64>,
+    /// Times the speed of real time; as fast as possible when absent
+    #[arg(long, value_name = "FACTOR", value_parser = above_zero)]
+    speed: Option<f64>,
+    /// Write the report here
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
+    /// Write the picture here
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// Write neither report nor picture, but those that are named
+    #[arg(long)]
+    no_report: bool,
+    /// Save what `rumbo plot` needs to draw this run again
+    #[arg(long, value_name = "FILE")]
+    save_run: Option<PathBuf>,
+    /// Print the figures as one JSON object
+    #[arg(long)]
+    json: bool,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// A finite number above zero.
+fn above_zero(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    let fits = number > 0.0 && number.is_finite();
+    if fits { Ok(number) } else { Err(format!("is {text}, expected a finite number above zero")) }
+}
+
+/// Does it.
+pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
+    let mut ready = load::pipeline(&args.file, &args.sets(), args.json, terminal)?;
+    if let Some(duration_s) = args.duration {
+        ready.pipeline.mission.time_limit_s = duration_s;
+        ready.pipeline.duration_s = Some(duration_s);
+    }
+    let record = watched_drive(args, &ready, terminal)?;
+    let Some(outcome) = &record.outcome else {
+        return Err(Failure::Internal("the run left no figures; this is a bug".into()));
+    };
+    let written = write_files(args, &record)?;
+    if !args.quiet {
+        terminal.say(summary::summary(outcome, &written, terminal));
+    }
+    if args.json {
+        terminal.json(outcome)?;
+    }
+    Ok(exit_of(outcome))
+}
+
+impl Args {
+    fn sets(&self) -> Vec<String> {
+        let seed = self.seed.map(|seed| format!("seed={seed}"));
+        self.sets.iter().cloned().chain(seed).collect()
+    }
+
+    /// A file below `out/`, named after the pipeline, unless another one was named.
+    fn output(&self, named: &Option<PathBuf>, extension: &str) -> Option<PathBuf> {
+        let stem = self.file.file_stem().unwrap_or_default();
+        let usual = || Path::new("out").join(stem).with_extension(extension);
+        named.clone().or_else(|| (!self.no_report).then(usual))
+    }
+}
+
+fn watched_drive(args: &Args, ready: &Ready, terminal: &Terminal) -> Result<RunRecord, Failure> {
+    let interrupt = on_interrupt()?;
+    let mut progress = (!args.quiet && terminal.has_people()).then(|| Progress::new(&ready.pipeline));
+    let mut pace = args.speed.map(Pace::new);
+    let mut others: Vec<&mut dyn Observer> = Vec::new();
+    others.extend(progress.as_mut().map(|progress| progress as &mut dyn Observer));
+    others.extend(pace.as_mut().map(|pace| pace as &mut dyn Observer));
+    let file = args.file.display().to_string();
+    let record = drive(&ready.pipeline, &file, &ready.config, &mut others, &interrupt);
+    if let Some(progress) = progress {
+        progress.finish();
+    }
+    record.map_err(|error| ready.explain(&error, args.json, terminal))
+}
+
+/// Raised by the first interrupt, which stops the robot; the second ends the program.
+fn on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
+    let flag = Arc::new(AtomicBool::new(false));
+    let raised = Arc::clone(&flag);
+    let handler = move || {
+        if raised.swap(true, Ordering::Relaxed) {
+            std::process::exit(Exit::Interrupted.code().into());
+        }
+    };
+    ctrlc::set_handler(handler)
+        .map_err(|error| Failure::Internal(format!("cannot catch interrupts: {error}")))?;
+    Ok(flag)
+}
+
+/// Report, picture and saved run, as far as they are wanted.
+fn write_files(args: &Args, record: &RunRecord) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
+    let mut written = Vec::new();
+    if let Some(path) = args.output(&args.report, "html") {
+        write_file(&path, report::html(record).as_bytes())?;
+        written.push(("report", path));
+    }
+    if let Some(path) = args.output(&args.picture, "png") {
+        write_picture(&path, record)?;
+        written.push(("picture", path));
+    }
+    if let Some(path) = &args.save_run {
+        let json = serde_json::to_vec(record);
+        write_file(path, &json.map_err(|error| Failure::Internal(format!("cannot save the run: {error}")))?)?;
+        written.push(("saved run", path.clone()));
+    }
+    Ok(written)
+}
+
+/// Draws the run and writes it as PNG.
+pub fn write_picture(path: &Path, record: &RunRecord) -> Result<(), Failure> {
+    /// Sharp on screens with small pixels.
+    const SCALE: f64 = 1.5;
+    let png = Raster::draw(&poster(record), SCALE).and_then(|raster| raster.png());
+    let png = png.map_err(|error| Failure::Internal(format!("cannot draw the picture: {error}")))?;
+    write_file(path, &png)
+}
+
+fn exit_of(outcome: &Outcome) -> Exit {
+    match outcome.reason {
+        EndReason::Interrupted => Exit::Interrupted,
+        _ if outcome.is_success() => Exit::Success,
+        _ => Exit::NoSuccess,
+    }
+}
