@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct AStarParams {
     /// Distance from the path to the edge of the nearest obstacle, meters. Absent: the radius of the robot's hull plus
-    /// 0.05 m. With zero, every free cell is open.
+    /// 0.10 m, which leaves the guard its margin. With zero, every free cell is open.
     pub clearance_m: Option<f64>,
     /// Cells of which nobody knows what they are count as obstacles. Otherwise no path enters them, but paths need not
     /// keep away from them.
@@ -22,8 +22,8 @@ impl Default for AStarParams {
     }
 }
 
-/// Beyond the hull, where no clearance is given.
-const HULL_MARGIN_M: f64 = 0.05;
+/// Beyond the hull, where no clearance is given: what the guard keeps free, and room for an estimate that is off.
+const HULL_MARGIN_M: f64 = 0.10;
 
 impl AStarParams {
     /// Every impossible value.
