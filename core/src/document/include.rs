@@ -35,7 +35,10 @@ fn identity(path: &Path) -> PathBuf {
 }
 
 fn read_file(path: &Path) -> Result<String, String> {
-    let about = std::fs::metadata(path).map_err(|error| error.to_string())?;
+    let about = std::fs::metadata(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => "there is no such file".to_owned(),
+        _ => error.to_string(),
+    })?;
     if about.is_dir() {
         return Err("it is a folder, expected a TOML file".into());
     }
@@ -90,7 +93,7 @@ impl Loader<'_> {
                 None => {
                     let message = format!("is {}, expected the path of a file in quotes", item.shown());
                     let path = format!("include[{idx}]");
-                    self.faults.push(Fault::new(FaultCode::WrongType, path, item.origin, message));
+                    self.faults.push(Fault::new(FaultCode::File, path, item.origin, message));
                 }
             }
         }

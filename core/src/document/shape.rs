@@ -100,6 +100,13 @@ impl<'s> Walk<'_, 's> {
         if let (Some(table), Some(tag)) = (node.as_table(), tag_of(&objects)) {
             return self.tagged(node, table, &objects, tag, path);
         }
+        let is_free_text = |one: &&Value| words(one).is_none() && types(one).contains(&"string");
+        if node.as_str().is_some() && !alternatives.iter().any(is_free_text) {
+            let some: Vec<&str> = alternatives.iter().filter_map(|one| words(one)).flatten().collect();
+            if !some.is_empty() {
+                return self.word(node, &some, path);
+            }
+        }
         let mut best: Option<Faults> = None;
         for one in alternatives {
             let mut found = Faults::default();

@@ -260,9 +260,12 @@ fn parts(root: &Node, seat: Seat, registry: &Registry, faults: &mut Faults) -> V
             (Some(name), _) => name.to_owned(),
             (None, Seat::MapBuilder) => by_plugin(),
             (None, _) => {
-                let message = "is missing, expected the name of this sensor in quotes";
-                let place = item.place();
-                faults.push(Fault::new(FaultCode::MissingKey, join_path(&path, "name"), place, message));
+                // A name that is there but is no text is reported with the other keys.
+                if item.get("name").is_none_or(|name| name.as_str().is_some()) {
+                    let message = "is missing, expected the name of this sensor in quotes";
+                    let place = item.place();
+                    faults.push(Fault::new(FaultCode::MissingKey, join_path(&path, "name"), place, message));
+                }
                 format!("{key} {idx}")
             }
         };

@@ -82,23 +82,27 @@ fn odometry_owner(draft: &Draft, faults: &mut Faults) {
 
 /// A layer is written by one part, unless another says that it writes on top.
 fn layer_owners(draft: &Draft, faults: &mut Faults) {
-    let mut owners: Vec<(Layer, &Section)> = Vec::new();
+    let mut owners: Vec<(Vec<Layer>, &Section)> = Vec::new();
     for section in draft.single(Seat::Slam).into_iter().chain(&draft.builders) {
         let Some(manifest) = section.manifest().filter(|manifest| !manifest.overlays) else { continue };
-        for layer in manifest.gives_layers {
-            match owners.iter().find(|(other, _)| *other == layer) {
-                Some((_, first)) => {
-                    let message = format!(
-                        "writes the map layer {}, and so does {}; only one may",
-                        layer.name(),
-                        first.path
-                    );
-                    let fault = section.fault(FaultCode::TwoOwners, message);
-                    faults.push(fault.note("the other is here", first.node.place()));
-                }
-                None => owners.push((layer, section)),
+        for (layers, first) in &owners {
+            let shared: Vec<&str> = layers
+                .iter()
+                .filter(|layer| manifest.gives_layers.contains(layer))
+                .map(|layer| layer.name())
+                .collect();
+            if shared.is_empty() {
+                continue;
             }
+            let message = format!(
+                "writes the map layer {}, and so does {}; only one may",
+                shared.join(" and "),
+                first.path
+            );
+            let fault = section.fault(FaultCode::TwoOwners, message);
+            faults.push(fault.note("the other is here", first.node.place()));
         }
+        owners.push((manifest.gives_layers, section));
     }
 }
 
@@ -121,7 +125,8 @@ fn layers(draft: &Draft, registry: &Registry, faults: &mut Faults) {
             _ => &givers[..],
         };
         for layer in manifest.needs_layers.iter().filter(|layer| !gives(visible, **layer)) {
-            if manifest.gives_layers.contains(layer) {
+            // A builder may read what it writes itself; one that writes on top needs something to be on top of.
+            if manifest.gives_layers.contains(layer) && !manifest.overlays {
                 continue;
             }
             let name = layer.name();
@@ -163,8 +168,9 @@ fn observations(draft: &Draft, registry: &Registry, faults: &mut Faults) {
             let kinds: Vec<&str> = group.iter().map(|kind| kind.name()).collect();
             let message = format!("needs {}, which no sensor makes", kinds.join(" or "));
             let fault = section.fault(FaultCode::MissingObservation, message);
-            let sensors =
-                candidates(registry, Stage::Sensor, |m| m.produces.iter().any(|kind| group.contains(kind)));
+            let sensors = candidates(registry, Stage::Sensor, |m| {
+                !m.is_virtual && m.produces.iter().any(|kind| group.contains(kind))
+            });
             faults.push(match sensors.is_empty() {
                 true => fault,
                 false => fault.help(format!("a [[sensor]] could be {}", sensors.join(", "))),

@@ -41,8 +41,10 @@ impl Loaded {
 
     fn from_document(document: Document, mut faults: Faults, path: &Path, registry: &Registry) -> Loaded {
         // Of a file that cannot be read, or is no TOML, nothing more can be said that helps.
-        let is_readable =
-            !faults.iter().any(|fault| matches!(fault.code, FaultCode::Syntax | FaultCode::File));
+        let is_unreadable = |fault: &Fault| {
+            matches!(fault.code, FaultCode::Syntax | FaultCode::File | FaultCode::RecursiveInclude)
+        };
+        let is_readable = !faults.iter().any(is_unreadable);
         let mut draft = Draft::default();
         if is_readable {
             draft = Draft::read(&document.root, path, registry, &mut faults);

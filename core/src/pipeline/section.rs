@@ -141,7 +141,11 @@ fn plugin(
 fn unknown_plugin(stage: Stage, name: &str, names: &[&str], registry: &Registry) -> String {
     let seat = stage.section();
     if let Some(other) = registry.iter().find(|entry| entry.name == name) {
-        return format!("`{name}` is a {}, not a {seat}; expected {}", other.stage.section(), one_of(names));
+        return format!(
+            "`{name}` is for [{}], not for [{seat}]; expected {}",
+            other.stage.section(),
+            one_of(names)
+        );
     }
     match did_you_mean(name, names.iter().copied()) {
         Some(close) => format!("no {seat} is called `{name}`, did you mean {close}?"),

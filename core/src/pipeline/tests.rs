@@ -387,7 +387,7 @@ fn a_swap_takes_the_keys_of_its_variant_and_every_variant_is_checked() {
         ["p.toml:17:1 localizer.variants.walls.size: unknown key, units are in the key: size_m"]
     );
     let said = faults("plugin = 'dead'", "plugin = 'dead'\n[localizer.variants.laser]\nsize_m = 7");
-    assert!(said[0].contains("`laser` is a sensor, not a localizer"), "{said:?}");
+    assert!(said[0].contains("`laser` is for [sensor], not for [localizer]"), "{said:?}");
 }
 
 #[test]
