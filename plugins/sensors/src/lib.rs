@@ -1,8 +1,10 @@
 //! Sensors of Rumbo: each owns its device's truth (geometry, resolution, range, noise, dropouts).
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod bumper_ring;
 pub mod laser_2d;
 pub mod lms200;
+pub mod sonar_ring;
 pub mod wheel_encoders;
 
 mod recorded;

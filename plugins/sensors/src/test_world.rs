@@ -14,12 +14,19 @@ pub(crate) struct TestWorld {
     pub wall_x_m: f64,
     pub wheels: WheelMotion,
     pub recorded: Option<Vec<Observation>>,
+    pub contacts_rad: Vec<f64>,
     ranges_m: Vec<f32>,
 }
 
 impl TestWorld {
     pub fn with_wall(wall_x_m: f64) -> Self {
-        Self { wall_x_m, wheels: WheelMotion::default(), recorded: None, ranges_m: Vec::new() }
+        Self {
+            wall_x_m,
+            wheels: WheelMotion::default(),
+            recorded: None,
+            contacts_rad: Vec::new(),
+            ranges_m: Vec::new(),
+        }
     }
 
     pub fn recorded(recorded: Vec<Observation>) -> Self {
@@ -53,6 +60,15 @@ impl World for TestWorld {
                 self.ranges_m = (0..*n_beams).map(range_m).collect();
                 Ok(Answer::Ranges(&self.ranges_m))
             }
+            (Probe::Cones { bearings_rad, ring_radius_m, max_range_m, .. }, None) => {
+                let range_m = |bearing_rad: &f64| {
+                    let range_m = self.wall_x_m / bearing_rad.cos() - ring_radius_m;
+                    if range_m > 0.0 && range_m <= *max_range_m { range_m as f32 } else { f32::INFINITY }
+                };
+                self.ranges_m = bearings_rad.iter().map(range_m).collect();
+                Ok(Answer::Ranges(&self.ranges_m))
+            }
+            (Probe::Contacts, None) => Ok(Answer::Contacts(&self.contacts_rad)),
             _ => Err(WorldError::Unsupported { probe: probe.name() }),
         }
     }

@@ -194,13 +194,13 @@ fn check_probe(probe: &Probe<'_>) -> Result<(), WorldError> {
         _ => return Ok(()),
     };
     let sane =
-        mount.is_none_or(is_finite3) && numbers.iter().all(|number| number.is_finite()) && max_range_m > 0.0;
+        mount.is_none_or(is_finite3) && numbers.iter().all(|number| number.is_finite()) && max_range_m >= 0.0;
     if sane && n_rays <= MOST_RAYS {
         return Ok(());
     }
     Err(WorldError::Other(format!(
         "the probe for {} asks for {n_rays} rays with {numbers:?} up to {max_range_m} m; expected finite numbers, a \
-         range above 0 and at most {MOST_RAYS} rays",
+         range of 0 or more and at most {MOST_RAYS} rays",
         probe.name()
     )))
 }

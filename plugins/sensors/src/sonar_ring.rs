@@ -1,0 +1,7 @@
+//! `sonar_ring`: ultrasonic transducers around the hull.
+
+mod params;
+mod plugin;
+
+pub use params::SonarRingParams;
+pub use plugin::SonarRing;

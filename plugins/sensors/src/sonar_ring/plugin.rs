@@ -1,0 +1,125 @@
+//! The sonar ring as a sensor of the framework.
+
+use std::f64::consts::TAU;
+
+use rand::RngExt as _;
+use rand_distr::{Distribution, StandardNormal};
+use rumbo_core::messages::{Data, Observation, ObservationKind, Observations, RangeRing};
+use rumbo_core::registry::{Manifest, Params, Plugin};
+use rumbo_core::rng::Rng;
+use rumbo_core::stages::{
+    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World, WorldError,
+};
+
+use super::SonarRingParams;
+use crate::recorded::Seat;
+
+rumbo_core::register_sensor!(SonarRingParams, "sonar_ring", "ultrasonic transducers around the hull");
+
+/// A ring of transducers.
+#[derive(Debug)]
+pub struct SonarRing {
+    seat: Seat,
+    params: SonarRingParams,
+    bearings_rad: Vec<f64>,
+    rng: Rng,
+}
+
+impl Plugin<dyn Sensor> for SonarRingParams {
+    fn manifest(&self) -> Manifest {
+        Manifest {
+            produces: vec![ObservationKind::RangeRing],
+            default_rate_hz: Some(10.0),
+            ..Manifest::default()
+        }
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Sensor>, BuildError> {
+        if let Some(fault) = self.check().into_iter().next() {
+            return Err(fault);
+        }
+        let mut params = self.clone();
+        if params.ring_radius_m == 0.0 {
+            params.ring_radius_m = context.robot.hull().inner_radius_m();
+        }
+        let step_rad = TAU / f64::from(self.transducers);
+        let bearings_rad = (0..self.transducers).map(|k| step_rad * f64::from(k)).collect();
+        Ok(Box::new(SonarRing { seat: Seat::of(context), params, bearings_rad, rng: context.rng() }))
+    }
+}
+
+impl SonarRing {
+    /// REP-117: infinite without an echo, not-a-number for one that was lost or is too near.
+    fn reading(&mut self, exact_m: f32) -> f32 {
+        if !exact_m.is_finite() {
+            return f32::INFINITY;
+        }
+        let normal: f64 = StandardNormal.sample(&mut self.rng);
+        let reading_m = f64::from(exact_m) + normal * self.params.range_m;
+        let is_lost = self.params.dropout > 0.0 && self.rng.random::<f64>() < self.params.dropout;
+        if is_lost || reading_m < self.params.min_range_m {
+            f32::NAN
+        } else if reading_m > self.params.max_range_m {
+            f32::INFINITY
+        } else {
+            reading_m as f32
+        }
+    }
+}
+
+impl Sensor for SonarRing {
+    fn poll(
+        &mut self,
+        cx: &mut Cx<'_>,
+        world: &mut dyn World,
+        out: &mut Observations,
+    ) -> Result<(), SensorError> {
+        let probe = Probe::Cones {
+            base_from_sensor: &self.seat.base_from_sensor,
+            bearings_rad: &self.bearings_rad,
+            cone_rad: self.params.cone_deg.to_radians(),
+            ring_radius_m: self.params.ring_radius_m,
+            max_range_m: self.params.max_range_m,
+        };
+        let mut ranges_m = out.buffer(self.bearings_rad.len());
+        match world.probe(&probe) {
+            Ok(Answer::Ranges(exact)) if exact.len() == ranges_m.len() => {
+                ranges_m.make_mut().copy_from_slice(exact)
+            }
+            Ok(Answer::Recorded(recorded)) => {
+                self.seat.pass_on(recorded, out);
+                return Ok(());
+            }
+            Ok(other) => {
+                return Err(SensorError::WrongAnswer { expected: "sound cones", found: other.name() });
+            }
+            Err(unanswered @ WorldError::Unsupported { .. }) => {
+                return self.seat.ask_recording(world, unanswered, out);
+            }
+            Err(error) => return Err(error.into()),
+        }
+        for range in ranges_m.make_mut() {
+            *range = self.reading(*range);
+        }
+        let ring = RangeRing {
+            first_bearing_rad: 0.0,
+            bearing_step_rad: TAU / f64::from(self.params.transducers),
+            cone_rad: self.params.cone_deg.to_radians(),
+            ring_radius_m: self.params.ring_radius_m,
+            min_range_m: self.params.min_range_m as f32,
+            max_range_m: self.params.max_range_m as f32,
+            ranges_m,
+        };
+        out.push(Observation {
+            sensor: self.seat.sensor,
+            stamp: cx.now,
+            base_from_sensor: self.seat.base_from_sensor,
+            valid: true,
+            data: Data::RangeRing(ring),
+        });
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests;
