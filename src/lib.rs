@@ -27,3 +27,5 @@ pub mod run;
 pub mod schema;
 pub mod terminal;
 pub mod test;
+
+pub use load::registry;
