@@ -14,6 +14,7 @@ pub mod check;
 pub mod cli;
 pub mod completions;
 pub mod config;
+pub mod diagnostics;
 pub mod drive;
 pub mod exit;
 pub mod load;

@@ -1,5 +1,6 @@
 //! From a file to a pipeline, or to all its faults.
 
+use crate::diagnostics;
 use crate::exit::{Exit, Failure};
 use crate::terminal::Terminal;
 use rumbo_core::document::{to_commented_toml, to_json};
@@ -46,9 +47,8 @@ impl Refused {
 
     /// The faults for people.
     pub fn show(&self, terminal: &Terminal) {
-        for line in self.loaded.lines() {
-            terminal.say(line);
-        }
+        let (faults, sources) = (&self.loaded.faults, &self.loaded.document.sources);
+        terminal.say(diagnostics::render(faults, sources, terminal.has_colors()));
     }
 
     /// The faults for programs.

@@ -5,15 +5,7 @@
 
 mod doubles;
 
-// The plugins that the files name; without this line the linker would drop them.
-use rumbo_avoiders as _;
-use rumbo_localizers as _;
-use rumbo_maps as _;
-use rumbo_planners as _;
-use rumbo_sensors as _;
-use rumbo_slam as _;
-use rumbo_worlds as _;
-
+use rumbo::diagnostics;
 use rumbo_core::macro_support::inventory;
 use rumbo_core::pipeline::Loaded;
 use rumbo_core::registry::{Linked, Registry};
@@ -53,12 +45,17 @@ fn sets(path: &Path) -> Vec<String> {
     lines.flat_map(|line| line.split("--set ").skip(1)).map(|set| set.trim().to_owned()).collect()
 }
 
-/// All faults as lines, with paths from the folder.
+/// All faults as lines, with paths from the folder. The picture for the terminal has them, too.
 fn faults(path: &Path, registry: &Registry) -> String {
     let mut loaded = Loaded::read(path, &sets(path), registry);
     loaded.check();
     if loaded.sound().is_some() {
         return "accepted\n".to_owned();
+    }
+    let drawn = diagnostics::render(&loaded.faults, &loaded.document.sources, false);
+    for fault in loaded.faults.iter() {
+        let first = fault.message.lines().next().unwrap();
+        assert!(drawn.contains(first), "{}: {first} is not in\n{drawn}", path.display());
     }
     let lines = loaded.lines().join("\n").replace(&format!("{FOLDER}/"), "");
     lines + "\n"
