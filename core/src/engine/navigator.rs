@@ -39,6 +39,8 @@ pub struct Navigator {
     pub memory: ObstacleMemory,
     /// A new path is needed.
     pub needs_plan: bool,
+    /// Old obstacles were forgotten once for the present goal: a second time would be an endless tour of closed doors.
+    pub has_forgotten: bool,
     /// New plans for the present goal.
     pub replans: u32,
     /// How the last goals ended.
@@ -66,6 +68,7 @@ impl Navigator {
             path_number: 0,
             memory: ObstacleMemory::new(mission),
             needs_plan: false,
+            has_forgotten: false,
             replans: 0,
             outcome: None,
             shutdown: false,
@@ -107,6 +110,7 @@ impl Navigator {
         self.path = None;
         self.needs_plan = true;
         self.replans = 0;
+        self.has_forgotten = false;
         self.anchor = None;
         self.plans_at_anchor = 0;
         self.memory.clear();

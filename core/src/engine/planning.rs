@@ -191,8 +191,9 @@ impl Planning {
             self.ask(true, nav, at, events);
             return self.receive(nav, at, events);
         }
-        let n_obstacles = nav.memory.forget_old(at.now);
+        let n_obstacles = if nav.has_forgotten { 0 } else { nav.memory.forget_old(at.now) };
         if n_obstacles > 0 {
+            nav.has_forgotten = true;
             let reason = "no way was left, and nothing had seen them for long";
             events.push(Event { stamp: at.now, kind: EventKind::Forgot { n_obstacles, reason } });
             nav.needs_plan = true;

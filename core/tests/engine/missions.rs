@@ -52,6 +52,12 @@ fn an_old_obstacle_is_forgotten_before_a_goal_is_called_unreachable() {
         })
     };
     assert_eq!(run(&forgets(-1.0)).0.reason, EndReason::Arrived);
+    let mut returns = forgets(-1.0);
+    let keys = "blocked_at_s = 2.0\nkeeps_blocking = true";
+    returns.avoider = Some(stage(Stage::Avoider, "avoider", "beeline", None, keys));
+    let (end, _, events) = run(&returns);
+    assert_eq!(end.reason, EndReason::Unreachable, "forgetting is for once");
+    assert_eq!(events.count(|e| matches!(e, EventKind::Forgot { .. })), 1);
     let (end, _, _) = run(&forgets(60.0));
     assert_eq!(end.reason, EndReason::Unreachable);
     assert!(end.detail.unwrap().contains("told to refuse"));
