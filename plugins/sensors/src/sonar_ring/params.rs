@@ -21,7 +21,7 @@ pub struct SonarRingParams {
     /// Reach, meters.
     pub max_range_m: f64,
     /// Standard deviation of the range, meters.
-    pub range_m: f64,
+    pub deviation_m: f64,
     /// Share of echoes that are lost.
     pub dropout: f64,
 }
@@ -34,7 +34,7 @@ impl Default for SonarRingParams {
             ring_radius_m: 0.0,
             min_range_m: 0.15,
             max_range_m: 6.5,
-            range_m: 0.02,
+            deviation_m: 0.02,
             dropout: 0.0,
         }
     }
@@ -45,7 +45,8 @@ const MOST_TRANSDUCERS: u32 = 360;
 
 impl Params for SonarRingParams {
     fn check(&self) -> Vec<BuildError> {
-        let Self { transducers, cone_deg, ring_radius_m, min_range_m, max_range_m, range_m, dropout } = *self;
+        let Self { transducers, cone_deg, ring_radius_m, min_range_m, max_range_m, deviation_m, dropout } =
+            *self;
         let mut faults = Vec::new();
         if !(1..=MOST_TRANSDUCERS).contains(&transducers) {
             faults.push(BuildError::at(
@@ -60,7 +61,7 @@ impl Params for SonarRingParams {
         };
         expect(cone_deg > 0.0 && cone_deg <= 180.0, "cone_deg", cone_deg, "an angle above 0, up to 180");
         for (key, value) in
-            [("ring_radius_m", ring_radius_m), ("min_range_m", min_range_m), ("range_m", range_m)]
+            [("ring_radius_m", ring_radius_m), ("min_range_m", min_range_m), ("deviation_m", deviation_m)]
         {
             expect(value.is_finite() && value >= 0.0, key, value, "a finite length, 0 or more");
         }

@@ -55,7 +55,7 @@ impl SonarRing {
             return f32::INFINITY;
         }
         let normal: f64 = StandardNormal.sample(&mut self.rng);
-        let reading_m = f64::from(exact_m) + normal * self.params.range_m;
+        let reading_m = f64::from(exact_m) + normal * self.params.deviation_m;
         let is_lost = self.params.dropout > 0.0 && self.rng.random::<f64>() < self.params.dropout;
         if is_lost || reading_m < self.params.min_range_m {
             f32::NAN

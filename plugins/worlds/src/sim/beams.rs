@@ -34,6 +34,9 @@ pub struct Ring<'a> {
 pub struct Eyes {
     fans: Vec<((f64, usize), Vec<Vector>)>,
     movers: Vec<Solid>,
+    shots: Vec<(Ray, f64)>,
+    /// Meters of answer for each cell of a shot's way.
+    scales: Vec<f64>,
     ranges_m: Vec<f32>,
 }
 
@@ -94,8 +97,6 @@ impl Eyes {
         let number = self.look(place, view);
         let is_level = view.z_min_m == view.z_max_m;
         let fan_idx = self.fan(fan);
-        let lattice = place.lattice(number);
-        self.ranges_m.clear();
         // A level fan needs one pose: its beams differ by their direction only.
         let first =
             nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), fan.first_bearing_rad);
@@ -103,18 +104,32 @@ impl Eyes {
         let ahead = beam(place, map_from_sensor, &nalgebra::Vector3::x());
         let left = place.lattice_from_map.rotation * (map_from_sensor.rotation * nalgebra::Vector3::y()).xy();
         let reach = max_range_m / place.resolution_m;
+        self.shots.clear();
+        self.scales.clear();
         for direction in &self.fans[fan_idx].1 {
-            let (ray, meters_per_cell, reach) = if is_level {
+            if is_level {
                 let along = ahead.ray.along * direction.x + left * direction.y;
-                (Ray { along, slope: 0.0, ..ahead.ray }, place.resolution_m, reach)
+                self.shots.push((Ray { along, slope: 0.0, ..ahead.ray }, reach));
+                self.scales.push(place.resolution_m);
             } else {
                 let beam = beam(place, map_from_sensor, &direction.push(0.0));
-                (beam.ray, beam.meters_per_cell, max_range_m / beam.meters_per_cell)
-            };
-            let way = nearest(lattice.cast(&ray, reach).map(|hit| hit.way), &self.movers, &ray, reach);
-            self.ranges_m.push((way * meters_per_cell) as f32);
+                self.shots.push((beam.ray, max_range_m / beam.meters_per_cell));
+                self.scales.push(beam.meters_per_cell);
+            }
         }
+        self.shoot(place, number);
         &self.ranges_m
+    }
+
+    /// Casts all shots; ranges come out in the same order.
+    fn shoot(&mut self, place: &Place, lattice_number: usize) {
+        self.ranges_m.clear();
+        self.ranges_m.resize(self.shots.len(), f32::INFINITY);
+        let (shots, movers, scales, ranges_m) = (&self.shots, &self.movers, &self.scales, &mut self.ranges_m);
+        place.lattice(lattice_number).cast_all(shots, |number, hit| {
+            let (ray, reach) = &shots[number];
+            ranges_m[number] = (nearest(hit.map(|hit| hit.way), movers, ray, *reach) * scales[number]) as f32;
+        });
     }
 
     /// Depths along the optical axis, row by row from the top.
@@ -127,8 +142,8 @@ impl Eyes {
     ) -> &[f32] {
         let all_heights = View { z_min_m: f64::NEG_INFINITY, z_max_m: f64::INFINITY, with_glass: false };
         let number = self.look(place, all_heights);
-        let lattice = place.lattice(number);
-        self.ranges_m.clear();
+        self.shots.clear();
+        self.scales.clear();
         for row in 0..camera.height {
             let up = (camera.center_px[1] - f64::from(row)) / camera.focal_px[1];
             for col in 0..camera.width {
@@ -137,16 +152,11 @@ impl Eyes {
                 let length = direction.norm();
                 let beam = beam(place, map_from_sensor, &(direction / length));
                 let meters_of_depth = beam.meters_per_cell / length;
-                let reach = max_range_m / meters_of_depth;
-                let way = nearest(
-                    lattice.cast(&beam.ray, reach).map(|hit| hit.way),
-                    &self.movers,
-                    &beam.ray,
-                    reach,
-                );
-                self.ranges_m.push((way * meters_of_depth) as f32);
+                self.shots.push((beam.ray, max_range_m / meters_of_depth));
+                self.scales.push(meters_of_depth);
             }
         }
+        self.shoot(place, number);
         &self.ranges_m
     }
 

@@ -1,6 +1,6 @@
 //! Rays through a [`Lattice`]: exact to the edge of a wall's cell, analytic on solids.
 
-use super::lattice::{LISTED, Lattice, WALL, quadrant};
+use super::lattice::{Kind, Lattice, quadrant};
 use super::solid::Ray;
 
 /// What a ray met first.
@@ -14,66 +14,175 @@ pub struct Hit {
 
 /// A solid listed in a cell may be met a hair outside of it.
 const OVERLAP: f64 = 1e-9;
+/// Rays of a fan walk together: while one waits for its cell, the others go on.
+const ABREAST: usize = 8;
+
+/// One dimension of a walk, mirrored where the ray goes down, so that every walk goes up.
+#[derive(Clone, Copy)]
+struct Axis {
+    from: f64,
+    along: f64,
+    inverse: f64,
+    /// The cell it is in.
+    at: i32,
+}
+
+/// Adding this to a small number leaves its nearest whole number in the low bits (ties to even): much cheaper than a
+/// checked conversion.
+const ROUNDER: f64 = 1.5 * (1u64 << 52) as f64;
+
+impl Axis {
+    /// An axis at `way`; the cell is `cell` of the lattice.
+    fn new(from: f64, along: f64, way: f64, n_cells: usize) -> Self {
+        let cell = ((from + way * along) as i32).clamp(0, n_cells as i32 - 1);
+        // The border ahead is never at `from` itself, so the largest number stands for "never".
+        let inverse = if along == 0.0 { f64::MAX } else { 1.0 / along.abs() };
+        if along < 0.0 {
+            Self { from: -from, along: -along, inverse, at: -1 - cell }
+        } else {
+            Self { from, along, inverse, at: cell }
+        }
+    }
+
+    /// Way to the lower border of cell `next`.
+    #[inline(always)]
+    fn way_to(&self, next: i32) -> f64 {
+        (f64::from(next) - self.from) * self.inverse
+    }
+
+    /// The cell at a way, which lies between the present one and the one before `next`.
+    #[inline(always)]
+    fn cell_at(&self, way: f64, next: i32) -> i32 {
+        // Exactly on a border this may give the cell below; the next step then has no length.
+        let floor = ((self.from + way * self.along - 0.5) + ROUNDER).to_bits() as i32;
+        floor.max(self.at).min(next - 1)
+    }
+}
+
+/// A ray on its way.
+#[derive(Clone, Copy)]
+struct Walk<'a> {
+    x: Axis,
+    y: Axis,
+    way: f64,
+    reach: f64,
+    leap: &'a [u8],
+    /// Position in the arrays of the mirrored cell (0, 0), and from one mirrored column or row to the next.
+    base: i32,
+    col_step: i32,
+    row_step: i32,
+}
+
+enum Step {
+    On,
+    End(Option<Hit>),
+}
+
+impl<'a> Walk<'a> {
+    /// `None` when the ray never comes into the lattice.
+    fn new(lattice: &'a Lattice, ray: &Ray, reach: f64) -> Option<Self> {
+        let (width, height) = (lattice.width as f64, lattice.height as f64);
+        let inside = ray.from.x >= 0.0 && ray.from.y >= 0.0 && ray.from.x < width && ray.from.y < height;
+        let way = if inside { 0.0 } else { entry(ray, width, height)? };
+        let quadrant = quadrant(ray.along.x, ray.along.y);
+        let stride = lattice.stride() as i32;
+        let (left, down) = ((quadrant & 1) as i32, (quadrant >> 1) as i32);
+        Some(Self {
+            x: Axis::new(ray.from.x, ray.along.x, way, lattice.width),
+            y: Axis::new(ray.from.y, ray.along.y, way, lattice.height),
+            way,
+            reach,
+            leap: &lattice.leap[quadrant],
+            base: stride + 1 - left - down * stride,
+            col_step: 1 - 2 * left,
+            row_step: stride * (1 - 2 * down),
+        })
+    }
+
+    /// Leaps over the empty square around the present cell, or looks into the cell.
+    #[inline(always)]
+    fn step(&mut self, lattice: &Lattice, ray: &Ray) -> Step {
+        if self.way > self.reach {
+            return Step::End(None);
+        }
+        let cell = (self.base + self.x.at * self.col_step + self.y.at * self.row_step) as usize;
+        let mut edge = i32::from(self.leap[cell]);
+        if edge == 0 {
+            match self.look(lattice, ray, cell) {
+                Step::On => edge = 1,
+                end => return end,
+            }
+        }
+        let (next_x, next_y) = (self.x.at + edge, self.y.at + edge);
+        let (way_x, way_y) = (self.x.way_to(next_x), self.y.way_to(next_y));
+        self.way = way_x.min(way_y);
+        // Both cells are worked out and one is chosen: which border comes first is a coin toss no predictor wins.
+        let (cell_x, cell_y) = (self.x.cell_at(self.way, next_x), self.y.cell_at(self.way, next_y));
+        let crosses_x = way_x < way_y;
+        self.x.at = if crosses_x { next_x } else { cell_x };
+        self.y.at = if crosses_x { cell_y } else { next_y };
+        Step::On
+    }
+
+    /// What a cell that is not empty does to the ray.
+    fn look(&self, lattice: &Lattice, ray: &Ray, cell: usize) -> Step {
+        let kind = lattice.kind(cell);
+        if kind == Kind::Outside {
+            return Step::End(None);
+        }
+        if kind == Kind::Wall && ray.slope == 0.0 {
+            let met = (0.0..=lattice.wall_height).contains(&ray.z);
+            return if met { Step::End(Some(Hit { way: self.way, solid: None })) } else { Step::On };
+        }
+        let leave = self.x.way_to(self.x.at + 1).min(self.y.way_to(self.y.at + 1));
+        match lattice.hit_in_cell(ray, cell, self.way, leave) {
+            Some(hit) => Step::End((hit.way <= self.reach).then_some(hit)),
+            None => Step::On,
+        }
+    }
+}
 
 impl Lattice {
     /// The first thing a ray meets within `reach` cells of way.
     pub fn cast(&self, ray: &Ray, reach: f64) -> Option<Hit> {
-        if ray.slope == 0.0 { self.walk::<false>(ray, reach) } else { self.walk::<true>(ray, reach) }
+        let mut walk = Walk::new(self, ray, reach)?;
+        loop {
+            if let Step::End(hit) = walk.step(self, ray) {
+                return hit;
+            }
+        }
     }
 
-    /// `SLOPED` is decided outside the loop: most rays are level and need no heights.
-    fn walk<const SLOPED: bool>(&self, ray: &Ray, reach: f64) -> Option<Hit> {
-        let (from, along) = (ray.from, ray.along);
-        let mut way = self.entry(ray)?;
-        let leap = &self.leap[quadrant(along.x, along.y)];
-        let (inverse_x, inverse_y) = (1.0 / along.x, 1.0 / along.y);
-        let (right, up) = (along.x >= 0.0, along.y >= 0.0);
-        let mut col = ((from.x + way * along.x).floor() as i64).clamp(0, self.width as i64 - 1);
-        let mut row = ((from.y + way * along.y).floor() as i64).clamp(0, self.height as i64 - 1);
-        if !SLOPED && !(0.0..=self.wall_height).contains(&ray.z) && self.solids.is_empty() {
-            return None;
-        }
-        while way <= reach {
-            let cell = row as usize * self.width + col as usize;
-            let kind = leap[cell];
-            if kind == WALL && !SLOPED {
-                return Some(Hit { way, solid: None });
+    /// Casts many rays; `done` is called once for each, in no particular order, with its number and what it met.
+    pub fn cast_all(&self, rays: &[(Ray, f64)], mut done: impl FnMut(usize, Option<Hit>)) {
+        for (group, rays) in rays.chunks(ABREAST).enumerate() {
+            let first = group * ABREAST;
+            let mut walks: [Option<Walk<'_>>; ABREAST] = [None; ABREAST];
+            let mut n_walking = 0;
+            for (idx, (slot, (ray, reach))) in walks.iter_mut().zip(rays).enumerate() {
+                *slot = Walk::new(self, ray, *reach);
+                match slot {
+                    Some(_) => n_walking += 1,
+                    None => done(first + idx, None),
+                }
             }
-            let edge = if kind == WALL || kind == LISTED { 1 } else { i64::from(kind) };
-            let next_col = if right { col + edge } else { col - edge };
-            let next_row = if up { row + edge } else { row - edge };
-            let border_x = if right { next_col } else { next_col + 1 } as f64;
-            let border_y = if up { next_row } else { next_row + 1 } as f64;
-            // A ray along an axis never meets the borders beside it: 0 / 0 is not a way.
-            let way_x = if along.x == 0.0 { f64::INFINITY } else { (border_x - from.x) * inverse_x };
-            let way_y = if along.y == 0.0 { f64::INFINITY } else { (border_y - from.y) * inverse_y };
-            let leave = way_x.min(way_y);
-            if (kind == LISTED || (SLOPED && kind == WALL))
-                && let Some(hit) = self.hit_in_cell(ray, cell, kind, way, leave)
-            {
-                return (hit.way <= reach).then_some(hit);
-            }
-            way = leave.max(way);
-            if way_x < way_y {
-                col = next_col;
-                let (low, high) = if up { (row, next_row - 1) } else { (next_row + 1, row) };
-                row = ((from.y + way * along.y).floor() as i64).clamp(low, high);
-            } else {
-                row = next_row;
-                let (low, high) = if right { (col, next_col - 1) } else { (next_col + 1, col) };
-                col = ((from.x + way * along.x).floor() as i64).clamp(low, high);
-            }
-            if col < 0 || row < 0 || col >= self.width as i64 || row >= self.height as i64 {
-                return None;
+            while n_walking > 0 {
+                for (idx, slot) in walks.iter_mut().enumerate() {
+                    let Some(walk) = slot else { continue };
+                    if let Step::End(hit) = walk.step(self, &rays[idx].0) {
+                        done(first + idx, hit);
+                        *slot = None;
+                        n_walking -= 1;
+                    }
+                }
             }
         }
-        None
     }
 
     /// The first thing met inside one cell, between the ways at which the ray enters and leaves it.
-    fn hit_in_cell(&self, ray: &Ray, cell: usize, kind: u8, enter: f64, leave: f64) -> Option<Hit> {
+    fn hit_in_cell(&self, ray: &Ray, cell: usize, enter: f64, leave: f64) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
-        if kind == WALL || self.is_walled(cell) {
+        if matches!(self.kind(cell), Kind::Wall | Kind::WalledAndListed) {
             nearest = ray.between(0.0, self.wall_height).and_then(|(low, high)| {
                 let way = enter.max(low);
                 (way <= leave.min(high)).then_some(Hit { way, solid: None })
@@ -89,24 +198,22 @@ impl Lattice {
         }
         nearest
     }
+}
 
-    /// The way at which a ray enters the lattice: 0 inside, `None` if it never does.
-    fn entry(&self, ray: &Ray) -> Option<f64> {
-        let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
-        for (start, along, size) in
-            [(ray.from.x, ray.along.x, self.width as f64), (ray.from.y, ray.along.y, self.height as f64)]
-        {
-            if along == 0.0 {
-                if !(0.0..=size).contains(&start) {
-                    return None;
-                }
-                continue;
+/// The way at which a ray from outside enters the lattice, if it ever does.
+fn entry(ray: &Ray, width: f64, height: f64) -> Option<f64> {
+    let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
+    for (start, along, size) in [(ray.from.x, ray.along.x, width), (ray.from.y, ray.along.y, height)] {
+        if along == 0.0 {
+            if !(0.0..=size).contains(&start) {
+                return None;
             }
-            let (a, b) = (-start / along, (size - start) / along);
-            (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
+            continue;
         }
-        (enter <= leave).then_some(enter)
+        let (a, b) = (-start / along, (size - start) / along);
+        (enter, leave) = (enter.max(a.min(b)), leave.min(a.max(b)));
     }
+    (enter <= leave).then_some(enter)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use rumbo_core::robot::Hull;
 
-use super::lattice::{LISTED, Lattice, WALL};
+use super::lattice::{Kind, Lattice};
 use super::solid::{Footprint, Point, Vector, nearest_on_segment};
 
 /// A robot's outline, placed.
@@ -133,7 +133,7 @@ impl Lattice {
         let (col, row) = (hull.center.x.floor() as i64, hull.center.y.floor() as i64);
         let (width, height) = (self.width as i64, self.height as i64);
         let inside = (0..width).contains(&col) && (0..height).contains(&row);
-        let first = if inside { self.free_rings((row * width + col) as usize) as i64 } else { 0 };
+        let first = if inside { self.free_rings(self.cell(col as i32, row as i32)) as i64 } else { 0 };
         let last = [col, width - 1 - col, row, height - 1 - row].map(i64::abs).into_iter().max().unwrap_or(0);
         let mut best = f64::INFINITY;
         for ring in first..=last {
@@ -171,17 +171,19 @@ impl Lattice {
         let mut at = from.max(0);
         while at <= to.min(length as i64 - 1) {
             let (col, row) = if is_row { (at, line) } else { (line, at) };
-            let cell = row as usize * self.width + col as usize;
-            let kind = self.leap[0][cell];
-            if kind == WALL || (kind == LISTED && self.is_walled(cell)) {
+            let cell = self.cell(col as i32, row as i32);
+            let leap = self.leap[0][cell];
+            if leap > 0 {
+                at += i64::from(leap);
+                continue;
+            }
+            if matches!(self.kind(cell), Kind::Wall | Kind::WalledAndListed) {
                 best = visit(&cell_square(col, row));
             }
-            if kind == LISTED {
-                for &solid in self.solids_in(cell) {
-                    best = visit(&self.solids[solid as usize].footprint);
-                }
+            for &solid in self.solids_in(cell) {
+                best = visit(&self.solids[solid as usize].footprint);
             }
-            at += if kind == WALL || kind == LISTED { 1 } else { i64::from(kind) };
+            at += 1;
         }
         best
     }

@@ -10,28 +10,39 @@ use rumbo_kit::world_file::segment_cells;
 
 use super::solid::{Footprint, Point, Solid};
 
-/// The cell is a piece of wall of the background map.
-pub(super) const WALL: u8 = 0;
-/// The cell holds parts of solids, and possibly a wall too.
-pub(super) const LISTED: u8 = 255;
-const LARGEST_LEAP: u8 = 254;
+/// What a cell is, beyond the empty squares around it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Nothing in it.
+    Empty,
+    /// A piece of wall of the background map.
+    Wall,
+    /// Parts of solids.
+    Listed,
+    /// Parts of solids in a piece of wall.
+    WalledAndListed,
+    /// The rim around the lattice.
+    Outside,
+}
+
+const LARGEST_LEAP: u8 = u8::MAX;
 /// Solids are listed in neighbors they barely touch, so rounding cannot lose them.
 const MARGIN: f64 = 1e-6;
 
-/// A lattice ready for rays and distances.
+/// A lattice ready for rays and distances. A rim of one cell keeps rays inside the arrays.
 #[derive(Debug, Clone)]
 pub struct Lattice {
     /// Number of columns.
     pub(super) width: usize,
     /// Number of rows.
     pub(super) height: usize,
-    /// Per cell and diagonal direction (index [`quadrant`]): [`WALL`], [`LISTED`] or the edge of the empty square.
+    /// Edge of the empty square that starts at each cell, per diagonal direction (index [`quadrant`]); 0 where the
+    /// cell is not empty.
     pub(super) leap: [Vec<u8>; 4],
+    kinds: Vec<Kind>,
     /// Where each cell's solids begin in `listed`; empty without solids.
     first: Vec<u32>,
     listed: Vec<u32>,
-    /// Listed cells that are a wall of the background map as well, sorted.
-    walled: Vec<u32>,
     /// The solids.
     pub(super) solids: Vec<Solid>,
     /// Height of the background map's walls.
@@ -52,20 +63,38 @@ impl Lattice {
         is_wall: impl Fn(usize, usize) -> bool,
     ) -> Self {
         let (width, height) = size;
-        let mut kinds: Vec<u8> =
-            (0..width * height).map(|idx| if is_wall(idx % width, idx / width) { WALL } else { 1 }).collect();
-        let (first, listed) = list_solids(width, height, &solids);
-        let mut walled = Vec::new();
-        for (cell, range) in first.windows(2).enumerate() {
-            if range[0] < range[1] {
-                if kinds[cell] == WALL {
-                    walled.push(cell as u32);
-                }
-                kinds[cell] = LISTED;
-            }
+        let mut lattice = Self {
+            width,
+            height,
+            leap: [const { Vec::new() }; 4],
+            kinds: vec![Kind::Outside; (width + 2) * (height + 2)],
+            first: Vec::new(),
+            listed: Vec::new(),
+            solids,
+            wall_height,
+        };
+        for (row, col) in (0..height).flat_map(|row| (0..width).map(move |col| (row, col))) {
+            let cell = lattice.cell(col as i32, row as i32);
+            lattice.kinds[cell] = if is_wall(col, row) { Kind::Wall } else { Kind::Empty };
         }
-        let leap = [0, 1, 2, 3].map(|direction| empty_squares(&kinds, width, direction));
-        Self { width, height, leap, first, listed, walled, solids, wall_height }
+        lattice.list_solids();
+        lattice.leap = [0, 1, 2, 3].map(|direction| lattice.empty_squares(direction));
+        lattice
+    }
+
+    /// Cells in a row of the arrays, rim included.
+    pub(super) fn stride(&self) -> usize {
+        self.width + 2
+    }
+
+    /// Position of a cell in the arrays; the rim has column or row -1 and `width` or `height`.
+    #[inline(always)]
+    pub(super) fn cell(&self, col: i32, row: i32) -> usize {
+        (row + 1) as usize * self.stride() + (col + 1) as usize
+    }
+
+    pub(super) fn kind(&self, cell: usize) -> Kind {
+        self.kinds[cell]
     }
 
     /// Indices of the solids in a cell.
@@ -76,44 +105,64 @@ impl Lattice {
         }
     }
 
-    /// Whether a listed cell is a wall of the background too.
-    pub(super) fn is_walled(&self, cell: usize) -> bool {
-        !self.walled.is_empty() && self.walled.binary_search(&(cell as u32)).is_ok()
-    }
-
     /// How many rings of cells around this one are surely empty, itself included; 0 for a cell with something in it.
     pub(super) fn free_rings(&self, cell: usize) -> usize {
-        self.leap
-            .iter()
-            .map(|leap| if leap[cell] == LISTED { 0 } else { usize::from(leap[cell]) })
-            .min()
-            .unwrap_or(0)
+        self.leap.iter().map(|leap| usize::from(leap[cell])).min().unwrap_or(0)
     }
-}
 
-/// Compressed lists of the solids that touch each cell.
-fn list_solids(width: usize, height: usize, solids: &[Solid]) -> (Vec<u32>, Vec<u32>) {
-    if solids.is_empty() {
-        return (Vec::new(), Vec::new());
+    /// Compressed lists of the solids that touch each cell.
+    fn list_solids(&mut self) {
+        if self.solids.is_empty() {
+            return;
+        }
+        let (width, height) = (self.width as i64, self.height as i64);
+        let mut pairs: Vec<(u32, u32)> = Vec::new();
+        for (idx, solid) in self.solids.iter().enumerate() {
+            touched_cells(&solid.footprint, |col, row| {
+                if (0..width).contains(&col) && (0..height).contains(&row) {
+                    pairs.push((self.cell(col as i32, row as i32) as u32, idx as u32));
+                }
+            });
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        self.first = vec![0; self.kinds.len() + 1];
+        for &(cell, _) in &pairs {
+            self.first[cell as usize + 1] += 1;
+            let kind = &mut self.kinds[cell as usize];
+            *kind = if matches!(kind, Kind::Wall | Kind::WalledAndListed) {
+                Kind::WalledAndListed
+            } else {
+                Kind::Listed
+            };
+        }
+        for cell in 0..self.kinds.len() {
+            self.first[cell + 1] += self.first[cell];
+        }
+        self.listed = pairs.into_iter().map(|(_, idx)| idx).collect();
     }
-    let mut pairs: Vec<(u32, u32)> = Vec::new();
-    for (idx, solid) in solids.iter().enumerate() {
-        touched_cells(&solid.footprint, |col, row| {
-            if (0..width as i64).contains(&col) && (0..height as i64).contains(&row) {
-                pairs.push(((row as usize * width + col as usize) as u32, idx as u32));
+
+    /// Edge of the largest empty square that starts at each cell and extends in one diagonal direction.
+    fn empty_squares(&self, direction: usize) -> Vec<u8> {
+        let (leftwards, downwards) = (direction & 1 != 0, direction & 2 != 0);
+        let (width, height) = (self.width as i32, self.height as i32);
+        let mut edges = vec![0; self.kinds.len()];
+        let (beside, ahead) = (if leftwards { -1 } else { 1 }, if downwards { -1 } else { 1 });
+        for n_rows in 0..height {
+            // Against the direction, so the cells the square extends to are done.
+            let row = if downwards { n_rows } else { height - 1 - n_rows };
+            for n_cols in 0..width {
+                let col = if leftwards { n_cols } else { width - 1 - n_cols };
+                let cell = self.cell(col, row);
+                if self.kinds[cell] == Kind::Empty {
+                    let around = [(beside, 0), (0, ahead), (beside, ahead)];
+                    let smallest = around.map(|(c, r)| edges[self.cell(col + c, row + r)]).into_iter().min();
+                    edges[cell] = smallest.unwrap_or(0).min(LARGEST_LEAP - 1) + 1;
+                }
             }
-        });
+        }
+        edges
     }
-    pairs.sort_unstable();
-    pairs.dedup();
-    let mut first = vec![0; width * height + 1];
-    for &(cell, _) in &pairs {
-        first[cell as usize + 1] += 1;
-    }
-    for cell in 0..width * height {
-        first[cell + 1] += first[cell];
-    }
-    (first, pairs.into_iter().map(|(_, idx)| idx).collect())
 }
 
 /// Every cell that a footprint touches, inside included.
@@ -131,31 +180,6 @@ fn touched_cells(footprint: &Footprint, mut visit: impl FnMut(i64, i64)) {
             visit(col, row);
         }
     }
-}
-
-/// Edge of the largest empty square that starts at each cell and extends in one diagonal direction.
-fn empty_squares(kinds: &[u8], width: usize, direction: usize) -> Vec<u8> {
-    let height = kinds.len() / width.max(1);
-    let (leftwards, downwards) = (direction & 1 != 0, direction & 2 != 0);
-    let mut edges = kinds.to_vec();
-    let edge_of = |kind: u8| if kind == LISTED { 0 } else { kind };
-    for n_rows in 0..height {
-        // Against the direction, so the cells the square extends to are done.
-        let row = if downwards { n_rows } else { height - 1 - n_rows };
-        for n_cols in 0..width {
-            let col = if leftwards { n_cols } else { width - 1 - n_cols };
-            let cell = row * width + col;
-            if kinds[cell] == WALL || kinds[cell] == LISTED || n_rows == 0 || n_cols == 0 {
-                continue;
-            }
-            let beside = if leftwards { cell - 1 } else { cell + 1 };
-            let (ahead, diagonal) =
-                if downwards { (cell - width, beside - width) } else { (cell + width, beside + width) };
-            let smallest = edge_of(edges[beside]).min(edge_of(edges[ahead])).min(edge_of(edges[diagonal]));
-            edges[cell] = (smallest + 1).min(LARGEST_LEAP);
-        }
-    }
-    edges
 }
 
 #[cfg(test)]
@@ -176,7 +200,7 @@ mod tests {
                         (0..10).contains(&c) && (0..5).contains(&r) && !is_wall(c as usize, r as usize)
                     })
                 };
-                let edge = i64::from(leap[row * 10 + col]);
+                let edge = i64::from(leap[lattice.cell(col, row)]);
                 assert!(
                     empty(edge) && !empty(edge + 1),
                     "direction {direction} cell {col},{row} edge {edge}"
@@ -194,13 +218,18 @@ mod tests {
             is_glass: false,
         };
         let lattice = Lattice::new((5, 5), 2.0, vec![disc], |col, row| (col, row) == (1, 1));
-        for cell in 0..25 {
-            let (col, row) = (cell % 5, cell / 5);
+        for (col, row) in (0..5).flat_map(|row| (0..5).map(move |col| (col, row))) {
             let touches = (1..=2).contains(&col) && (1..=2).contains(&row);
-            assert_eq!(lattice.solids_in(cell).len(), usize::from(touches), "cell {col},{row}");
+            assert_eq!(
+                lattice.solids_in(lattice.cell(col, row)).len(),
+                usize::from(touches),
+                "cell {col},{row}"
+            );
         }
-        assert!(lattice.is_walled(6) && !lattice.is_walled(7));
-        assert_eq!(lattice.free_rings(6), 0);
-        assert_eq!(lattice.free_rings(0), 1);
+        let kind = |col, row| lattice.kind(lattice.cell(col, row));
+        assert_eq!((kind(1, 1), kind(2, 1), kind(0, 0)), (Kind::WalledAndListed, Kind::Listed, Kind::Empty));
+        assert_eq!((kind(-1, 0), kind(5, 5)), (Kind::Outside, Kind::Outside));
+        assert_eq!(lattice.free_rings(lattice.cell(1, 1)), 0);
+        assert_eq!(lattice.free_rings(lattice.cell(0, 0)), 1);
     }
 }

@@ -16,7 +16,7 @@ fn ring(params: &SonarRingParams, wall_x_m: f64) -> RangeRing {
 
 #[test]
 fn the_ring_hears_the_wall_ahead_from_the_hull_and_nothing_behind() {
-    let ring = ring(&SonarRingParams { range_m: 0.0, ..SonarRingParams::default() }, 2.0);
+    let ring = ring(&SonarRingParams { deviation_m: 0.0, ..SonarRingParams::default() }, 2.0);
     assert_eq!((ring.ranges_m.len(), ring.ring_radius_m), (16, 0.2));
     assert!((ring.ranges_m[0] - 1.8).abs() < 1e-6);
     assert!((ring.bearing_step_rad.to_degrees() - 22.5).abs() < 1e-12);
@@ -25,14 +25,14 @@ fn the_ring_hears_the_wall_ahead_from_the_hull_and_nothing_behind() {
 
 #[test]
 fn echoes_that_are_too_near_or_lost_are_no_readings() {
-    let exact = SonarRingParams { range_m: 0.0, ..SonarRingParams::default() };
+    let exact = SonarRingParams { deviation_m: 0.0, ..SonarRingParams::default() };
     assert!(ring(&exact, 0.3).ranges_m[0].is_nan());
     assert!(ring(&SonarRingParams { dropout: 1.0, ..exact }, 2.0).ranges_m[0].is_nan());
 }
 
 #[test]
 fn readings_scatter_as_told() {
-    let params = SonarRingParams { range_m: 0.05, ..SonarRingParams::default() };
+    let params = SonarRingParams { deviation_m: 0.05, ..SonarRingParams::default() };
     let mut sensor = params.build(&BuildContext::bare("sensor")).unwrap();
     let (mut out, trace) = (Observations::default(), Trace::unwatched());
     let mut errors = Vec::new();
@@ -57,7 +57,7 @@ fn impossible_rings_are_named() {
         ring_radius_m: -1.0,
         min_range_m: f64::NAN,
         max_range_m: 0.0,
-        range_m: -1.0,
+        deviation_m: -1.0,
         dropout: 2.0,
     };
     assert_eq!(bad.check().len(), 7);

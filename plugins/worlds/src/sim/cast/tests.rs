@@ -47,6 +47,7 @@ fn the_fast_ray_meets_what_the_slow_twin_meets() {
         let n_solids = [0, 3, 25][world % 3];
         let solids = (0..n_solids).map(|_| random_solid(&mut rng, size as f64)).collect();
         let lattice = Lattice::new((size, size), 4.0, solids, is_wall);
+        let mut shots = Vec::new();
         for shot in 0..400 {
             let range = -3.0..size as f64 + 3.0;
             let from = Point::new(rng.random_range(range.clone()), rng.random_range(range));
@@ -67,8 +68,15 @@ fn the_fast_ray_meets_what_the_slow_twin_meets() {
                 _ => false,
             };
             assert!(agree, "world {world} shot {shot}: fast {fast:?}, slow {slow:?}, {ray:?}");
+            shots.push((ray, f64::INFINITY));
             if slow.is_some() { n_hits += 1 } else { n_misses += 1 }
         }
+        let mut n_done = 0;
+        lattice.cast_all(&shots, |number, hit| {
+            assert_eq!(hit, lattice.cast(&shots[number].0, f64::INFINITY), "abreast as alone");
+            n_done += 1;
+        });
+        assert_eq!(n_done, shots.len());
     }
     assert!(n_hits > 5_000 && n_misses > 2_000, "{n_hits} hits, {n_misses} misses");
 }
