@@ -1,5 +1,6 @@
 //! `rumbo run`: drives the robot and shows what happened.
 
+mod open;
 mod pace;
 mod progress;
 mod summary;
@@ -50,6 +51,9 @@ pub struct Args {
     /// Save what `rumbo plot` needs to draw this run again
     #[arg(long, value_name = "FILE")]
     save_run: Option<PathBuf>,
+    /// Open the report in the browser when the run has ended
+    #[arg(long)]
+    open: bool,
     /// Print the figures as one JSON object
     #[arg(long)]
     json: bool,
@@ -82,6 +86,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     }
     if args.json {
         terminal.json(outcome)?;
+    }
+    if args.open {
+        open_first(&written, terminal);
     }
     Ok(exit_of(outcome))
 }
@@ -146,6 +153,16 @@ fn write_files(args: &Args, record: &RunRecord) -> Result<Vec<(&'static str, Pat
         written.push(("saved run", path.clone()));
     }
     Ok(written)
+}
+
+/// Opens the report, or the picture where there is no report.
+fn open_first(written: &[(&'static str, PathBuf)], terminal: &Terminal) {
+    let Some((what, path)) = written.first() else {
+        return terminal.say("nothing was written, so there is nothing to open; leave out --no-report");
+    };
+    if let Err(error) = open::open(path) {
+        terminal.say(format!("cannot open the {what} by itself ({error}); open {}", path.display()));
+    }
 }
 
 /// Draws the run and writes it as PNG.

@@ -5,6 +5,7 @@ mod check;
 mod help;
 mod plot;
 mod plugins;
+mod readme;
 mod run;
 mod same_bytes;
 mod test;
