@@ -65,8 +65,9 @@ impl<'a> MapView<'a> {
         for region in &self.record.seen {
             self.ring(&mut sketch, Role::Seen, region.outline.iter().copied());
         }
-        self.paths(&mut sketch);
+        self.earlier_paths(&mut sketch);
         self.ways(&mut sketch);
+        self.last_path(&mut sketch);
         self.obstacles(&mut sketch);
         self.hulls(&mut sketch);
         self.goals(&mut sketch);
@@ -107,14 +108,18 @@ impl<'a> MapView<'a> {
         sketch.shapes.push(Shape::Image { image: image.clone(), matrix });
     }
 
-    fn paths(&mut self, sketch: &mut Sketch) {
-        let record = self.record;
-        let Some((last, earlier)) = record.paths.split_last() else { return };
+    /// On top of the way that follows it, or nobody would see it.
+    fn last_path(&mut self, sketch: &mut Sketch) {
+        let points = self.record.paths.last().map(|path| path.points.as_slice()).unwrap_or_default();
+        self.chain(sketch, Role::Path, points.iter().copied());
+    }
+
+    fn earlier_paths(&mut self, sketch: &mut Sketch) {
+        let Some((_, earlier)) = self.record.paths.split_last() else { return };
         // Many plans would hide the map: the latest earlier ones tell enough.
         for path in earlier.iter().rev().take(12) {
             self.chain(sketch, Role::OldPath, path.points.iter().copied());
         }
-        self.chain(sketch, Role::Path, last.points.iter().copied());
     }
 
     fn ways(&mut self, sketch: &mut Sketch) {
