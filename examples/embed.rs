@@ -1,6 +1,7 @@
 //! Rumbo inside another program: a pipeline from a text, stepped by hand, with orders through the one door.
 //!
 //! `cargo run --release --example embed`
+#![allow(clippy::print_stdout)]
 
 use rumbo_core::engine::{Engine, Order, State, Stepped};
 use rumbo_core::frames::Point2;

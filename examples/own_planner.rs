@@ -1,6 +1,7 @@
 //! A planner of your own: one struct of parameters, one trait, one line of registration, and any pipeline can name it.
 //!
 //! `cargo run --release --example own_planner`
+#![allow(clippy::print_stdout)]
 
 use rumbo_core::engine::{Engine, Metrics};
 use rumbo_core::frames::Point2;

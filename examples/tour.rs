@@ -3,6 +3,7 @@
 //! `cargo run --release --example tour -- MAP.yaml [N_GOALS] [SEED]` takes any ROS map_server map, draws the goals as
 //! far from each other as can be in the free space that is connected, drives to each, and fails unless all are reached
 //! without contact.
+#![allow(clippy::print_stdout)]
 
 use rumbo_core::engine::{Engine, Metrics, Summary};
 use rumbo_core::pipeline::Loaded;
