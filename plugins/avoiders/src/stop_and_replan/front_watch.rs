@@ -66,18 +66,23 @@ impl WatchTuning {
         readings.fold(f64::INFINITY, f64::min)
     }
 
-    /// Something in the watched region is nearer than it may be: `stop_distance_m` for what nobody expects.
-    pub fn is_in_danger(&self, sightings: &Sightings, scene: &Scene<'_>, stop_distance_m: f64) -> bool {
-        self.watched(sightings, scene).any(|ahead| {
-            let hard_limit_m = match ahead.sighting.source {
-                Source::Laser => self.hard_limit_laser_m,
-                Source::Sonar { .. } => self.hard_limit_sonar_m,
-            };
-            // The map may explain what stands beside the hull's way; it is the guard's to keep it from touching.
-            let in_way = ahead.in_base.y.abs() <= self.half_hull_m;
-            (ahead.reading_m < stop_distance_m && !self.is_expected(&ahead, scene))
-                || (self.ignores_expected && in_way && ahead.reading_m < hard_limit_m)
-        })
+    /// Something that nobody expects is in the watched region, nearer than it may be.
+    pub fn meets_unexpected(&self, sightings: &Sightings, scene: &Scene<'_>, stop_distance_m: f64) -> bool {
+        self.watched(sightings, scene)
+            .any(|ahead| ahead.reading_m < stop_distance_m && !self.is_expected(&ahead, scene))
+    }
+
+    /// Something in the hull's way is nearer than even what the map explains may be. What stands beside the way does not
+    /// count: it is the guard's to keep the robot from touching.
+    pub fn is_too_near(&self, sightings: &Sightings, scene: &Scene<'_>) -> bool {
+        self.ignores_expected
+            && self.watched(sightings, scene).any(|ahead| {
+                let hard_limit_m = match ahead.sighting.source {
+                    Source::Laser => self.hard_limit_laser_m,
+                    Source::Sonar { .. } => self.hard_limit_sonar_m,
+                };
+                ahead.in_base.y.abs() <= self.half_hull_m && ahead.reading_m < hard_limit_m
+            })
     }
 
     /// An obstacle that nobody expects stands in the hull's way to a checkpoint that is `left_m` ahead.

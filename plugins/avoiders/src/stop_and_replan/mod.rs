@@ -6,6 +6,7 @@
 pub mod checkpoints;
 pub mod explained;
 pub mod front_watch;
+pub mod lane;
 mod params;
 mod plugin;
 pub mod progress;

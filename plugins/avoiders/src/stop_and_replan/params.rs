@@ -1,6 +1,7 @@
 //! Parameters, and their translation into the numbers of control and watch.
 
 use super::front_watch::WatchTuning;
+use super::lane::LaneTuning;
 use super::speed_profile::SpeedProfile;
 use super::turn_then_go::Tuning;
 use rumbo_core::robot::Robot;
@@ -13,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct StopAndReplanParams {
     /// Behave as published (Hernández Alamilla 2005): switches off `ignore_expected`, `look_ahead_m`,
-    /// `heading_gain_per_s` and `merge_within_m`, stops at `stop_distance_m` at any speed, and reports obstacles only
+    /// `heading_gain_per_s`, `keep_off_m` and `merge_within_m`, stops at `stop_distance_m` at any speed, and reports obstacles only
     /// inside the watched strip.
     pub thesis_mode: bool,
     /// Least, medium and greatest speed of a straight piece, m/s; the robot's own limit caps them.
@@ -36,6 +37,9 @@ pub struct StopAndReplanParams {
     pub heading_gain_per_s: f64,
     /// Points of the path this near to a straight piece are no checkpoints, meters.
     pub merge_within_m: f64,
+    /// Room between the hull and what the scanner sees beside it, meters: a robot that drives gives way to keep it, up to
+    /// 0.8 of `max_lateral_error_m`; 0 for never. More than the guard's margin.
+    pub keep_off_m: f64,
     /// The source's M: an unexpected reading nearer than this stops the robot, meters. Laser ranges count from the
     /// scanner, sonar ranges from the transducer. A fast robot stops earlier, as far away as its brakes need.
     pub stop_distance_m: f64,
@@ -80,6 +84,7 @@ impl Default for StopAndReplanParams {
             max_lateral_error_m: 0.10,
             heading_gain_per_s: 1.0,
             merge_within_m: 0.025,
+            keep_off_m: 0.08,
             stop_distance_m: 0.30,
             watched_width_m: 0.60,
             front_sonar_within_deg: 23.0,
@@ -107,6 +112,7 @@ impl StopAndReplanParams {
             look_ahead_m: 0.0,
             heading_gain_per_s: 0.0,
             merge_within_m: 0.0,
+            keep_off_m: 0.0,
             insertion_width_m: self.watched_width_m,
             ..self.clone()
         }
@@ -153,6 +159,11 @@ impl StopAndReplanParams {
         }
     }
 
+    /// The room beside this robot.
+    pub fn lane(&self, robot: &Robot) -> LaneTuning {
+        LaneTuning { half_hull_m: half_hull_m(robot), keep_off_m: self.keep_off_m }
+    }
+
     /// Every impossible value at once.
     pub fn faults(&self) -> Vec<BuildError> {
         let mut faults = Vec::new();
@@ -197,6 +208,7 @@ impl StopAndReplanParams {
         let from_zero = [
             ("heading_gain_per_s", self.heading_gain_per_s),
             ("merge_within_m", self.merge_within_m),
+            ("keep_off_m", self.keep_off_m),
             ("front_sonar_within_deg", self.front_sonar_within_deg),
             ("expected_within_m", self.expected_within_m),
             ("hard_limit_laser_m", self.hard_limit_laser_m),

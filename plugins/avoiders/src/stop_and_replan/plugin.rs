@@ -2,6 +2,7 @@
 
 use super::StopAndReplanParams;
 use super::front_watch::{Scene, WatchTuning};
+use super::lane::{Lane, LaneTuning};
 use super::progress::Progress;
 use super::sightings::{Sightings, Source};
 use super::turn_then_go::{Motion, TurnThenGo};
@@ -16,6 +17,7 @@ use rumbo_core::time::{Span, Time};
 #[derive(Debug)]
 pub struct StopAndReplan {
     watch: WatchTuning,
+    lane: LaneTuning,
     control: TurnThenGo,
     sightings: Sightings,
     progress: Progress,
@@ -49,6 +51,7 @@ impl StopAndReplan {
         let farthest_m = looks_m.into_iter().fold(braking.distance_m(fastest_m_s), f64::max);
         StopAndReplan {
             watch,
+            lane: params.lane(robot),
             control: TurnThenGo::new(params.tuning(robot, 1.0 / rate_hz)),
             sightings: Sightings::new(farthest_m + Self::MARGIN_M),
             progress: Progress::new(Span::from_secs(params.stuck_after_s)),
@@ -134,9 +137,15 @@ impl StopAndReplan {
         }
         let brakes_m = self.braking.map_or(0.0, |braking| braking.distance_m(input.twist.forward_m_s));
         let stop_distance_m = self.watch.stop_distance_m.max(brakes_m);
-        let in_the_way = self.watch.is_in_danger(&self.sightings, scene, stop_distance_m)
+        let is_unexpected = self.watch.meets_unexpected(&self.sightings, scene, stop_distance_m)
             || self.watch.is_way_closed(&self.sightings, scene, left_m);
-        if in_the_way || self.progress.is_stuck(now, twist, &scene.odom_from_base) {
+        let is_held = self.watch.is_too_near(&self.sightings, scene)
+            || self.progress.is_stuck(now, twist, &scene.odom_from_base);
+        if is_held && !is_unexpected && self.control.turn_away(scene.map_from_base.rotation.angle()) {
+            self.progress.rest();
+            return Ok(Steering::Drive(Twist::ZERO));
+        }
+        if is_held || is_unexpected {
             return Ok(self.block(scene, stop_distance_m));
         }
         Ok(Steering::Drive(twist))
@@ -194,6 +203,9 @@ impl Avoider for StopAndReplan {
         if !self.follows_a_path(cx.now, input) {
             self.progress.rest();
             return Ok(Steering::Drive(Twist::ZERO));
+        }
+        if let Some(left_m) = self.control.left_m() {
+            self.control.give_way(Lane::between(&self.sightings, &scene, &self.lane, left_m));
         }
         match self.control.steer(cx.now, &input.map_from_base, input.twist, input.arrival_radius_m) {
             Motion::Stand => {

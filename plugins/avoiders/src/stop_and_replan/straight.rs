@@ -1,5 +1,6 @@
 //! A straight piece on its way, and where the robot is along it.
 
+use super::lane::Lane;
 use rumbo_core::frames::Point2;
 
 /// A straight piece on its way.
@@ -15,6 +16,14 @@ pub(super) struct Straight {
     pub touched: bool,
     /// Calls in a row that saw the robot off its course.
     pub n_off_course: u32,
+    /// Way left to the checkpoint at the last call.
+    pub left_m: f64,
+    /// Beside the line, to the left, at the last call.
+    pub lateral_m: f64,
+    /// What stands beside the robot.
+    pub lane: Lane,
+    /// Offset to the left of the line that gives way to it.
+    pub aside_m: f64,
 }
 
 /// Where a point is along a straight piece.
@@ -30,7 +39,17 @@ impl Straight {
     pub fn between(from: Point2, to: Point2) -> Straight {
         let piece = to - from;
         let (heading_rad, length_m) = (piece.y.atan2(piece.x), piece.norm());
-        Straight { from, heading_rad, length_m, touched: false, n_off_course: 0 }
+        Straight {
+            from,
+            heading_rad,
+            length_m,
+            touched: false,
+            n_off_course: 0,
+            left_m: length_m,
+            lateral_m: 0.0,
+            lane: Lane::FREE,
+            aside_m: 0.0,
+        }
     }
 
     pub fn place_of(&self, position: Point2) -> Place {

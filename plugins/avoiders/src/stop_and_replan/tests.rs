@@ -266,6 +266,70 @@ fn a_known_wall_beside_the_robot_stops_nobody_however_near() {
     assert_eq!(bench.drive(2, 60.0), Some(Steering::Arrived));
 }
 
+/// Drives along a wall whose face is `room_m` beside the hull, on the side given, and says how near the hull came once
+/// it had the time to give way, and where it ended.
+fn along_a_wall(params: StopAndReplanParams, side: f64, room_m: f64, end_m: f64) -> (f64, Pose2) {
+    let mut bench = Bench::new(params);
+    let wall: Vec<(f64, f64)> =
+        (-20..60).map(|k| (f64::from(k) * 0.05, side * (0.20 + room_m + 0.01))).collect();
+    // On the map the wall is farther away: the estimate is off.
+    bench.grid = Some(grid_with(&wall.iter().map(|(x, y)| (*x, y + side * 0.05)).collect::<Vec<_>>(), 0.0));
+    bench.discs = wall.iter().map(|(x, y)| (Point2::new(*x, *y), 0.01)).collect();
+    bench.follow(&[(0.0, 0.0), (end_m, 0.0)]);
+    let mut nearest_m = f64::INFINITY;
+    while let Steering::Drive(twist) = bench.steer(&[bench.scan()]).unwrap() {
+        bench.obey(twist);
+        let (x, y) = (bench.pose.translation.x, bench.pose.translation.y);
+        if x > 0.7 && x < end_m - 0.6 {
+            nearest_m = nearest_m.min((side * (0.20 + room_m) - y).abs() - 0.20);
+        }
+        assert!(bench.now.as_secs() < 200.0, "never arrives");
+    }
+    (nearest_m, bench.pose)
+}
+
+#[test]
+fn a_robot_gives_way_to_a_wall_beside_it_and_still_ends_where_it_shall() {
+    for side in [1.0, -1.0] {
+        let (nearest_m, end) = along_a_wall(StopAndReplanParams::default(), side, 0.04, 2.5);
+        assert!((0.065..0.09).contains(&nearest_m), "{nearest_m}");
+        assert!((end.translation.x - 2.5).abs() < 0.01 && end.translation.y.abs() < 0.03, "{end}");
+        let (nearest_m, _) = along_a_wall(StopAndReplanParams::default(), side, 0.10, 2.5);
+        assert!((nearest_m - 0.10).abs() < 0.002, "enough room: {nearest_m}");
+        let keeps_on = StopAndReplanParams { keep_off_m: 0.0, ..StopAndReplanParams::default() };
+        let (nearest_m, _) = along_a_wall(keeps_on, side, 0.04, 2.5);
+        assert!((nearest_m - 0.04).abs() < 0.002, "{nearest_m}");
+    }
+}
+
+#[test]
+fn a_robot_that_is_held_beside_a_wall_turns_away_and_drives_on() {
+    for side in [1.0, -1.0] {
+        let mut bench = Bench::new(StopAndReplanParams::default());
+        let wall: Vec<(f64, f64)> = (-20..60).map(|k| (f64::from(k) * 0.05, side * 0.245)).collect();
+        bench.grid = Some(grid_with(&wall, 0.0));
+        bench.discs = wall.iter().map(|(x, y)| (Point2::new(*x, *y), 0.01)).collect();
+        bench.follow(&[(0.0, 0.0), (2.0, 0.0)]);
+        // The guard lets a robot turn in place, and drive only once it looks away from the wall.
+        let mut turned_away = false;
+        let arrived = (0..400).any(|_| {
+            let seen = [bench.scan()];
+            match bench.steer(&seen).unwrap() {
+                Steering::Drive(twist) => {
+                    let yaw_deg = bench.pose.rotation.angle().to_degrees();
+                    turned_away |= side * yaw_deg < -3.0;
+                    let held = !turned_away && twist.forward_m_s > 0.0;
+                    bench.obey(if held { Twist::ZERO } else { twist });
+                    false
+                }
+                Steering::Arrived => true,
+                other => panic!("{other:?} after {}", bench.now),
+            }
+        });
+        assert!(arrived && turned_away);
+    }
+}
+
 #[test]
 fn an_echo_is_expected_where_the_map_has_something_in_its_cone() {
     let at = |echo: (f64, f64), known: (f64, f64)| {

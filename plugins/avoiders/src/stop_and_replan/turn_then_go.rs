@@ -5,6 +5,7 @@
 //! the estimate says, and is repeated from there when it missed.
 
 use super::checkpoints::{first_target, keep_corners};
+use super::lane::Lane;
 use super::speed_profile::SpeedProfile;
 use super::straight::{Place, Straight};
 use rumbo_core::frames::{Point2, Pose2, Twist, wrap_angle};
@@ -86,6 +87,8 @@ pub struct TurnThenGo {
     /// Turns made for one movement: each widens the tolerance, so that a noisy estimate cannot make it endless.
     n_turns: u32,
     phase: Phase,
+    /// A straight piece that goes on after a turn away from what stands beside the robot.
+    resumed: Option<Straight>,
 }
 
 /// The smaller of both turns, clockwise where they are equal (equation 6.1).
@@ -104,6 +107,10 @@ impl TurnThenGo {
     const STANDING_M_S: f64 = 0.01;
     /// Slower than this is standing, rad/s.
     const STANDING_RAD_S: f64 = 0.02;
+    /// The most that a robot gives way, as a part of the lateral error that would stop it.
+    const MOST_ASIDE: f64 = 0.8;
+    /// Part of a new offset that is taken up in one call: noise of the scanner shall not shake the robot.
+    const ASIDE_GAIN: f64 = 0.3;
     /// The correction while driving aims this far ahead on the straight piece, meters.
     const AIM_M: f64 = 0.5;
 
@@ -111,7 +118,16 @@ impl TurnThenGo {
     pub fn new(tuning: Tuning) -> TurnThenGo {
         let phase = Phase::Arrived;
         let corners = Vec::with_capacity(256);
-        TurnThenGo { tuning, corners, target: 0, final_heading_rad: None, at_end: false, n_turns: 0, phase }
+        TurnThenGo {
+            tuning,
+            corners,
+            target: 0,
+            final_heading_rad: None,
+            at_end: false,
+            n_turns: 0,
+            phase,
+            resumed: None,
+        }
     }
 
     /// Takes on a new path. A robot that drives towards its first checkpoint already does not stop for it.
@@ -122,6 +138,7 @@ impl TurnThenGo {
         self.final_heading_rad = path.end().yaw_rad;
         self.at_end = false;
         self.n_turns = 0;
+        self.resumed = None;
         self.phase = match self.phase {
             Phase::Driving(straight) => self.continued(&straight).map(Phase::Driving),
             _ => None,
@@ -133,12 +150,41 @@ impl TurnThenGo {
     fn continued(&self, straight: &Straight) -> Option<Straight> {
         let renewed = Straight::between(straight.from, self.checkpoint()?);
         let bend_rad = wrap_angle(renewed.heading_rad - straight.heading_rad);
-        (bend_rad.abs() <= self.tuning.heading_tolerance_rad).then_some(renewed)
+        let fits = bend_rad.abs() <= self.tuning.heading_tolerance_rad;
+        fits.then_some(Straight { aside_m: straight.aside_m, ..renewed })
+    }
+
+    /// Way left to the checkpoint, while the robot drives there.
+    pub fn left_m(&self) -> Option<f64> {
+        if let Phase::Driving(straight) = self.phase { Some(straight.left_m) } else { None }
+    }
+
+    /// Gives way to what stands beside a robot that drives.
+    pub fn give_way(&mut self, lane: Lane) {
+        if let Phase::Driving(straight) = &mut self.phase {
+            straight.lane = lane;
+        }
     }
 
     /// The checkpoint that the robot goes to.
     pub fn checkpoint(&self) -> Option<Point2> {
         self.corners.get(self.target).copied()
+    }
+
+    /// A robot that is held beside a wall turns in place to where it must steer to give way, and then drives on. Returns
+    /// whether that is a turn at all.
+    pub fn turn_away(&mut self, yaw_rad: f64) -> bool {
+        let Phase::Driving(mut straight) = self.phase else { return false };
+        straight.aside_m = self.wanted_aside_m(&straight);
+        let aim_m = self.aim_m(self.tuning.straight.levels[0], straight.left_m);
+        let left_rad = heading_error_rad(&straight, straight.aside_m, aim_m, yaw_rad);
+        if self.tuning.heading_gain_per_s <= 0.0 || left_rad.abs() <= self.tuning.heading_tolerance_rad {
+            return false;
+        }
+        let (side, length_rad) = (left_rad.signum(), left_rad.abs());
+        self.phase = Phase::Turning { heading_rad: yaw_rad + left_rad, left_rad, side, length_rad };
+        self.resumed = Some(straight);
+        true
     }
 
     /// What to do until the next call.
@@ -170,6 +216,9 @@ impl TurnThenGo {
     }
 
     fn next_movement(&mut self, position: Point2, yaw_rad: f64, arrival_radius_m: f64) -> Phase {
+        if let Some(straight) = self.resumed.take() {
+            return Phase::Driving(straight);
+        }
         while !self.at_end {
             let Some(checkpoint) = self.checkpoint() else { return Phase::Arrived };
             let straight = Straight::between(position, checkpoint);
@@ -228,8 +277,14 @@ impl TurnThenGo {
         let t = self.tuning;
         let Some(checkpoint) = self.checkpoint() else { return Motion::Arrived };
         let Place { left_m, lateral_m } = straight.place_of(position);
+        (straight.left_m, straight.lateral_m) = (left_m, lateral_m);
+        straight.aside_m += Self::ASIDE_GAIN * (self.wanted_aside_m(&straight) - straight.aside_m);
+        // The end of a path is reached exactly, whatever stands beside it; on the way there is room to give.
+        let is_last = self.target + 1 >= self.corners.len();
+        let aside_m =
+            if is_last { straight.aside_m * (left_m - 0.2).clamp(0.0, 0.3) / 0.3 } else { straight.aside_m };
         let distance_m = (checkpoint - position).norm();
-        let radius_m = self.radius_m(arrival_radius_m);
+        let radius_m = self.radius_m(arrival_radius_m) + if is_last { 0.0 } else { aside_m.abs() };
         straight.touched |= distance_m <= radius_m;
         if left_m <= t.straight.levels[0] * t.period_s / 4.0 {
             if distance_m <= radius_m || (straight.touched && distance_m <= 2.0 * radius_m) {
@@ -240,11 +295,11 @@ impl TurnThenGo {
         }
         let speed = ending_speed(&t.straight, left_m, straight.length_m, t.slowing_m_s2, t.period_s);
         let aim_m = self.aim_m(speed, left_m);
-        let error_rad = wrap_angle(straight.heading_rad - (lateral_m / aim_m).atan() - yaw_rad);
+        let error_rad = heading_error_rad(&straight, aside_m, aim_m, yaw_rad);
         // A heading error matters by the miss it leads to: near the checkpoint every small offset is a large angle.
         let misses = error_rad.abs() > t.max_heading_error_rad
             && aim_m * error_rad.sin().abs() > t.checkpoint_radius_m;
-        let off_course = lateral_m.abs() > t.max_lateral_error_m || misses;
+        let off_course = (lateral_m - aside_m).abs() > t.max_lateral_error_m || misses;
         straight.n_off_course = if off_course { straight.n_off_course + 1 } else { 0 };
         if straight.n_off_course >= Self::OFF_COURSE_CALLS {
             self.phase = Phase::Stopping { since: now };
@@ -256,6 +311,12 @@ impl TurnThenGo {
         Motion::Ahead { twist: Twist::new(speed, turn_rad_s), left_m }
     }
 
+    /// The offset that the lane asks for, within what is no lateral error yet.
+    fn wanted_aside_m(&self, straight: &Straight) -> f64 {
+        let most_m = Self::MOST_ASIDE * self.tuning.max_lateral_error_m;
+        straight.lane.aside_m(straight.lateral_m).clamp(-most_m, most_m)
+    }
+
     /// How far ahead on the straight piece the robot should look: at the checkpoint itself, or nearer for a correction
     /// that neither swings (damping of at least 0.8 with the gain) nor lags.
     fn aim_m(&self, speed_m_s: f64, left_m: f64) -> f64 {
@@ -264,6 +325,12 @@ impl TurnThenGo {
         let aim_m = if gain > 0.0 { Self::AIM_M.max(4.0 * speed_m_s / gain).min(left_m) } else { left_m };
         aim_m.max(nearest_m)
     }
+}
+
+/// From the robot's heading to the one that meets the line, or what is aside of it, `aim_m` ahead.
+fn heading_error_rad(straight: &Straight, aside_m: f64, aim_m: f64, yaw_rad: f64) -> f64 {
+    let off_m = straight.lateral_m - aside_m;
+    wrap_angle(straight.heading_rad - (off_m / aim_m).atan() - yaw_rad)
 }
 
 /// The profile's speed, but not more than still stops in time, and in the last period just enough to end exactly.
