@@ -303,6 +303,37 @@ fn a_robot_gives_way_to_a_wall_beside_it_and_still_ends_where_it_shall() {
 }
 
 #[test]
+fn the_lane_counts_what_is_beside_the_next_half_meter_of_the_way() {
+    let lowest = |moved_m: f64, left_m: f64, point: (f64, f64)| {
+        let (x, y) = (point.0 + moved_m, point.1);
+        let mut sightings = Sightings::new(10.0);
+        // The nearest whole degree is near enough to the point.
+        let hit = (y.atan2(x).to_degrees().round(), x.hypot(y));
+        sightings.see(&hits(Time::ZERO, &[hit]), &Pose2::identity());
+        let moved = pose2(moved_m, 0.0, 0.0);
+        let scene = Scene { odom_from_base: moved, map_from_base: moved, grid: None };
+        let tuning = StopAndReplanParams::default().lane(&Robot::default());
+        lane::Lane::between(&sightings, &scene, &tuning, left_m).lowest_m
+    };
+    assert!((lowest(0.0, 2.0, (0.3, -0.23)) - 0.05).abs() < 0.01);
+    assert_eq!(lowest(0.0, 2.0, (0.6, -0.23)), f64::NEG_INFINITY, "far ahead");
+    assert_eq!(lowest(0.0, 0.2, (0.3, -0.23)), f64::NEG_INFINITY, "beyond the checkpoint");
+    assert_eq!(lowest(0.5, 2.0, (-0.1, -0.23)), f64::NEG_INFINITY, "passed already");
+    assert_eq!(lowest(0.0, 2.0, (0.3, -0.10)), f64::NEG_INFINITY, "in front, not beside");
+    assert_eq!(lowest(0.0, 2.0, (0.3, 0.23)), f64::NEG_INFINITY, "on the left");
+}
+
+#[test]
+fn what_nobody_expects_is_reported_even_where_the_robot_could_turn_away() {
+    let mut bench = Bench::new(StopAndReplanParams::default());
+    bench.follow(&[(0.0, 0.0), (4.0, 0.0)]);
+    assert!(!is_blocked(&bench.steer(&[hits(bench.now, &[])])));
+    bench.obey(Twist::ZERO);
+    let seen = [hits(bench.now, &[(0.0, 0.22), (-70.0, 0.24)])];
+    assert!(is_blocked(&bench.steer(&seen)));
+}
+
+#[test]
 fn a_robot_that_is_held_beside_a_wall_turns_away_and_drives_on() {
     for side in [1.0, -1.0] {
         let mut bench = Bench::new(StopAndReplanParams::default());

@@ -355,6 +355,88 @@ fn the_correction_keeps_the_robot_on_its_line_where_thesis_mode_drifts() {
     }
 }
 
+/// The robot must keep at least `room_m` to the left of the line through the origin.
+fn wall_on_the_right(room_m: f64, pose: &Pose2) -> Lane {
+    Lane { lowest_m: room_m - pose.translation.y, highest_m: f64::INFINITY }
+}
+
+/// Turn rates of a driving controller that sees the same pose and the same wall again and again.
+fn rates(control: &mut TurnThenGo, room_m: f64, pose: &Pose2, n: usize) -> Vec<Option<f64>> {
+    (0..n)
+        .map(|_| {
+            control.give_way(wall_on_the_right(room_m, pose));
+            match control.steer(Time::ZERO, pose, Twist::ZERO, ARRIVAL_M) {
+                Motion::Ahead { twist, .. } => Some(twist.turn_rad_s),
+                _ => None,
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn giving_way_is_smooth_bounded_and_no_lateral_error() {
+    let mut control = driving(false);
+    let aside = pose2(1.0, 0.08, 0.0);
+    // However much the wall demands, the robot gives 0.08 m and drives straight there.
+    let last = *rates(&mut control, 1.0, &aside, 20).last().unwrap();
+    assert!(last.is_some_and(|rate| rate.abs() < 1e-3), "{last:?}");
+    // A renewed path does not make it forget.
+    control.follow(Time::ZERO, &through(&[(1.0, 0.08), (4.0, 0.0)], None), &aside);
+    assert!(rates(&mut control, 1.0, &aside, 1)[0].is_some_and(|rate| rate.abs() < 2e-3));
+    // Beside its line, but not beside where it gives way to.
+    let farther = pose2(1.0, 0.12, 0.0);
+    assert!(rates(&mut control, 1.0, &farther, 5).iter().all(Option::is_some));
+    let first = rates(&mut driving(false), 0.08, &Pose2::identity(), 2);
+    assert!(first[0] > Some(0.0) && first[1] > first[0], "smoothly: {first:?}");
+}
+
+#[test]
+fn a_checkpoint_that_was_passed_aside_is_reached() {
+    let mut control = TurnThenGo::new(tuning(false, 0.1));
+    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (1.5, 0.0), (1.5, 2.0)], None), &Pose2::identity());
+    let mut robot = Unicycle::guarded(Pose2::identity());
+    for step in 0..300 {
+        if robot.pose.translation.x < 1.4 {
+            control.give_way(wall_on_the_right(0.07, &robot.pose));
+        }
+        match control.steer(Time::from_secs(0.1 * f64::from(step)), &robot.pose, robot.twist, ARRIVAL_M) {
+            Motion::Turn(rate) => {
+                assert!(rate > 0.0, "no turn back to a checkpoint 0.07 m aside");
+                return;
+            }
+            Motion::Ahead { twist, .. } => robot.drive(twist, 0.1),
+            _ => robot.drive(Twist::ZERO, 0.1),
+        }
+    }
+    panic!("never turned");
+}
+
+#[test]
+fn a_turn_away_is_followed_by_the_same_straight_piece_unless_the_path_is_another() {
+    for other_path in [false, true] {
+        let mut control = driving(false);
+        let start = Pose2::identity();
+        assert!(!control.turn_away(0.0), "nothing beside it");
+        control.give_way(wall_on_the_right(0.08, &start));
+        assert!(control.turn_away(0.0));
+        let away = pose2(0.0, 0.0, (0.08f64 / 0.5).atan());
+        let motion = control.steer(Time::ZERO, &start, Twist::ZERO, ARRIVAL_M);
+        assert!(matches!(motion, Motion::Turn(rate) if rate > 0.0));
+        if other_path {
+            control.follow(Time::ZERO, &through(&[(0.0, 0.0), (0.0, -4.0)], None), &start);
+            let motion = control.steer(Time::ZERO, &away, Twist::ZERO, ARRIVAL_M);
+            assert!(matches!(motion, Motion::Turn(rate) if rate < 0.0));
+        } else {
+            assert_eq!(control.steer(Time::ZERO, &away, Twist::ZERO, ARRIVAL_M), Motion::Stand);
+            let motion = control.steer(Time::ZERO, &away, Twist::ZERO, ARRIVAL_M);
+            assert!(matches!(motion, Motion::Ahead { .. }), "{motion:?}");
+        }
+    }
+    let mut as_published = driving(true);
+    as_published.give_way(wall_on_the_right(0.08, &Pose2::identity()));
+    assert!(!as_published.turn_away(0.0));
+}
+
 #[test]
 fn the_robots_own_limits_bound_speeds_and_brakes() {
     let weak = Robot { max_speed_m_s: 0.12, max_turn_deg_s: 4.0, braking_m_s2: 0.2, ..Robot::default() };
