@@ -13,6 +13,7 @@ pub mod progress;
 pub mod sightings;
 pub mod speed_profile;
 mod straight;
+pub mod tuning;
 pub mod turn_then_go;
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::front_watch::WatchTuning;
 use super::lane::LaneTuning;
 use super::speed_profile::SpeedProfile;
-use super::turn_then_go::Tuning;
+use super::tuning::Tuning;
 use rumbo_core::robot::Robot;
 use rumbo_core::stages::BuildError;
 use schemars::JsonSchema;

@@ -1,7 +1,7 @@
 //! A straight piece on its way, and where the robot is along it.
 
 use super::lane::Lane;
-use rumbo_core::frames::Point2;
+use rumbo_core::frames::{Point2, wrap_angle};
 
 /// A straight piece on its way.
 #[derive(Debug, Clone, Copy)]
@@ -59,5 +59,11 @@ impl Straight {
             left_m: self.length_m - (done.x * cos + done.y * sin),
             lateral_m: done.y * cos - done.x * sin,
         }
+    }
+
+    /// From the robot's heading to the one that meets the line, or what is aside of it, `aim_m` ahead.
+    pub fn heading_error_rad(&self, aside_m: f64, aim_m: f64, yaw_rad: f64) -> f64 {
+        let off_m = self.lateral_m - aside_m;
+        wrap_angle(self.heading_rad - (off_m / aim_m).atan() - yaw_rad)
     }
 }

@@ -6,39 +6,12 @@
 
 use super::checkpoints::{first_target, keep_corners};
 use super::lane::Lane;
-use super::speed_profile::SpeedProfile;
 use super::straight::{Place, Straight};
+use super::tuning::Tuning;
 use rumbo_core::frames::{Point2, Pose2, Twist, wrap_angle};
 use rumbo_core::messages::Path;
 use rumbo_core::time::{Span, Time};
 use std::f64::consts::{PI, TAU};
-
-/// Numbers of the control, radians and meters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tuning {
-    /// Speeds along a straight piece.
-    pub straight: SpeedProfile,
-    /// Speeds of a turn.
-    pub turn: SpeedProfile,
-    /// Time from one command to the next, seconds.
-    pub period_s: f64,
-    /// Deceleration of the straight speed that the robot surely follows, m/s².
-    pub slowing_m_s2: f64,
-    /// Deceleration of the turn that the robot surely follows, rad/s².
-    pub slowing_rad_s2: f64,
-    /// A checkpoint nearer than this is reached, meters.
-    pub checkpoint_radius_m: f64,
-    /// A heading nearer than this is reached, radians.
-    pub heading_tolerance_rad: f64,
-    /// Heading errors beyond this stop the robot for another turn, radians.
-    pub max_heading_error_rad: f64,
-    /// Distances from the straight piece beyond this stop the robot for another turn, meters.
-    pub max_lateral_error_m: f64,
-    /// Heading correction while driving, rad/s per radian of error; zero for none.
-    pub heading_gain_per_s: f64,
-    /// Path points this near to a straight piece are no checkpoints, meters.
-    pub merge_within_m: f64,
-}
 
 /// What the wheels shall do until the next call.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,12 +80,8 @@ impl TurnThenGo {
     const STANDING_M_S: f64 = 0.01;
     /// Slower than this is standing, rad/s.
     const STANDING_RAD_S: f64 = 0.02;
-    /// The most that a robot gives way, as a part of the lateral error that would stop it.
-    const MOST_ASIDE: f64 = 0.8;
     /// Part of a new offset that is taken up in one call: noise of the scanner shall not shake the robot.
     const ASIDE_GAIN: f64 = 0.3;
-    /// The correction while driving aims this far ahead on the straight piece, meters.
-    const AIM_M: f64 = 0.5;
 
     /// A controller without a path.
     pub fn new(tuning: Tuning) -> TurnThenGo {
@@ -175,9 +144,9 @@ impl TurnThenGo {
     /// whether that is a turn at all.
     pub fn turn_away(&mut self, yaw_rad: f64) -> bool {
         let Phase::Driving(mut straight) = self.phase else { return false };
-        straight.aside_m = self.wanted_aside_m(&straight);
-        let aim_m = self.aim_m(self.tuning.straight.levels[0], straight.left_m);
-        let left_rad = heading_error_rad(&straight, straight.aside_m, aim_m, yaw_rad);
+        straight.aside_m = self.tuning.wanted_aside_m(&straight);
+        let aim_m = self.tuning.aim_m(self.tuning.straight.levels[0], straight.left_m);
+        let left_rad = straight.heading_error_rad(straight.aside_m, aim_m, yaw_rad);
         if self.tuning.heading_gain_per_s <= 0.0 || left_rad.abs() <= self.tuning.heading_tolerance_rad {
             return false;
         }
@@ -261,7 +230,7 @@ impl TurnThenGo {
             self.phase = Phase::Stopping { since: now };
             return Motion::Stand;
         }
-        let rate = ending_speed(&t.turn, to_go_rad, length_rad, t.slowing_rad_s2, t.period_s);
+        let rate = t.turn_rate(to_go_rad, length_rad);
         self.phase = Phase::Turning { heading_rad, left_rad, side, length_rad };
         Motion::Turn(side * rate)
     }
@@ -278,7 +247,7 @@ impl TurnThenGo {
         let Some(checkpoint) = self.checkpoint() else { return Motion::Arrived };
         let Place { left_m, lateral_m } = straight.place_of(position);
         (straight.left_m, straight.lateral_m) = (left_m, lateral_m);
-        straight.aside_m += Self::ASIDE_GAIN * (self.wanted_aside_m(&straight) - straight.aside_m);
+        straight.aside_m += Self::ASIDE_GAIN * (self.tuning.wanted_aside_m(&straight) - straight.aside_m);
         // The end of a path is reached exactly, whatever stands beside it; on the way there is room to give.
         let is_last = self.target + 1 >= self.corners.len();
         let aside_m =
@@ -293,9 +262,9 @@ impl TurnThenGo {
             self.phase = Phase::Stopping { since: now };
             return Motion::Stand;
         }
-        let speed = ending_speed(&t.straight, left_m, straight.length_m, t.slowing_m_s2, t.period_s);
-        let aim_m = self.aim_m(speed, left_m);
-        let error_rad = heading_error_rad(&straight, aside_m, aim_m, yaw_rad);
+        let speed = t.speed(left_m, straight.length_m);
+        let aim_m = t.aim_m(speed, left_m);
+        let error_rad = straight.heading_error_rad(aside_m, aim_m, yaw_rad);
         // A heading error matters by the miss it leads to: near the checkpoint every small offset is a large angle.
         let misses = error_rad.abs() > t.max_heading_error_rad
             && aim_m * error_rad.sin().abs() > t.checkpoint_radius_m;
@@ -310,33 +279,6 @@ impl TurnThenGo {
         let turn_rad_s = (t.heading_gain_per_s * error_rad).clamp(-most, most);
         Motion::Ahead { twist: Twist::new(speed, turn_rad_s), left_m }
     }
-
-    /// The offset that the lane asks for, within what is no lateral error yet.
-    fn wanted_aside_m(&self, straight: &Straight) -> f64 {
-        let most_m = Self::MOST_ASIDE * self.tuning.max_lateral_error_m;
-        straight.lane.aside_m(straight.lateral_m).clamp(-most_m, most_m)
-    }
-
-    /// How far ahead on the straight piece the robot should look: at the checkpoint itself, or nearer for a correction
-    /// that neither swings (damping of at least 0.8 with the gain) nor lags.
-    fn aim_m(&self, speed_m_s: f64, left_m: f64) -> f64 {
-        let gain = self.tuning.heading_gain_per_s;
-        let nearest_m = self.tuning.checkpoint_radius_m.max(1e-3);
-        let aim_m = if gain > 0.0 { Self::AIM_M.max(4.0 * speed_m_s / gain).min(left_m) } else { left_m };
-        aim_m.max(nearest_m)
-    }
-}
-
-/// From the robot's heading to the one that meets the line, or what is aside of it, `aim_m` ahead.
-fn heading_error_rad(straight: &Straight, aside_m: f64, aim_m: f64, yaw_rad: f64) -> f64 {
-    let off_m = straight.lateral_m - aside_m;
-    wrap_angle(straight.heading_rad - (off_m / aim_m).atan() - yaw_rad)
-}
-
-/// The profile's speed, but not more than still stops in time, and in the last period just enough to end exactly.
-fn ending_speed(profile: &SpeedProfile, left: f64, length: f64, slowing: f64, period_s: f64) -> f64 {
-    let stops_in_time = (2.0 * slowing * left).sqrt();
-    profile.speed(length - left, length).min(stops_in_time).min(left / period_s)
 }
 
 #[cfg(test)]
