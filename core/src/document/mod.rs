@@ -10,6 +10,7 @@ mod include;
 mod node;
 mod parse;
 mod read;
+mod schema_terms;
 mod set;
 mod shape;
 mod source;

@@ -7,6 +7,7 @@ mod draft;
 mod fits;
 mod load;
 mod mission;
+mod own_sections;
 mod reserved;
 mod schema;
 mod seat;
@@ -14,9 +15,9 @@ mod section;
 mod sensors;
 mod spec;
 
-pub use draft::Head;
 pub use load::Loaded;
 pub use mission::{Expect, InitialPose, Mission, PipelineTest, Waypoint, WellKnownPose};
+pub use own_sections::Head;
 pub use reserved::{Mount, Reserved};
 pub use schema::schema;
 pub use seat::Seat;

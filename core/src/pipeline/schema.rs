@@ -1,6 +1,6 @@
 //! The JSON schema of the whole pipeline file, from the registry: completion and documentation in editors.
 
-use super::draft::{Head, OWN_SECTIONS};
+use super::own_sections::{Head, OWN_SECTIONS};
 use super::{Mission, PipelineTest, Reserved, Seat};
 use crate::registry::{Entry, Registry};
 use crate::robot::Robot;

@@ -5,6 +5,7 @@ use super::{Seat, StageSpec};
 use crate::document::{Fault, FaultCode, Faults, Node, RESERVED_KEYS, did_you_mean, join_path, parse_with};
 use crate::registry::{Configured, Entry, Manifest, Registry, Stage};
 use crate::stages::BuildError;
+use serde_json::Value;
 use std::sync::Arc;
 
 /// A section, as far as it can be understood.
@@ -60,7 +61,7 @@ impl Section {
         variants(seat, &self.node, &self.path, registry, faults);
         let Some(entry) = plugin(seat, &self.node, &self.path, registry, faults) else { return };
         take_variant(&mut self.node, &entry.name);
-        let configured = configured(&entry, &self.node, &self.path, seat.reserved_keys(), faults);
+        let configured = configured(&entry, &self.node, &self.path, seat.reserved_keys(), registry, faults);
         self.spec = configured.map(|configured| StageSpec {
             name: name.to_owned(),
             entry,
@@ -184,7 +185,7 @@ fn variants(seat: Seat, node: &Node, path: &str, registry: &Registry, faults: &m
             continue;
         };
         if active != Some(name) {
-            configured(entry, variant, &path, &[], faults);
+            configured(entry, variant, &path, &[], registry, faults);
         }
     }
 }
@@ -195,6 +196,7 @@ fn configured(
     node: &Node,
     path: &str,
     also_known: &[&str],
+    registry: &Registry,
     faults: &mut Faults,
 ) -> Option<Arc<dyn Configured>> {
     let mut own = node.clone();
@@ -202,6 +204,7 @@ fn configured(
         table.retain(|key| !RESERVED_KEYS.contains(&key));
     }
     let schema = entry.source.schema();
+    take_foreign_keys(&mut own, entry, &schema, path, registry, faults);
     let parsed = parse_with(&own, path, &schema, also_known, faults, |keys| entry.source.parse(keys))?;
     let known = faults.clone();
     for error in parsed.value.check() {
@@ -212,4 +215,33 @@ fn configured(
         }
     }
     Some(parsed.value.into())
+}
+
+/// Keys that another plugin of this stage has: what is left behind when somebody changes only the plugin's name.
+fn take_foreign_keys(
+    own: &mut Node,
+    entry: &Entry,
+    schema: &Value,
+    path: &str,
+    registry: &Registry,
+    faults: &mut Faults,
+) {
+    let has = |schema: &Value, key: &str| schema.get("properties").is_some_and(|all| all.get(key).is_some());
+    let Some(table) = own.as_table_mut() else { return };
+    let mut foreign = Vec::new();
+    for (key, node) in table.iter().filter(|(key, _)| !has(schema, key)) {
+        let mut others = registry.of_stage(entry.stage).filter(|other| other.name != entry.name);
+        let Some(other) = others.find(|other| has(&other.source.schema(), key)) else { continue };
+        let message = format!("unknown key, {} has it, {} does not", other.name, entry.name);
+        let fault = Fault::new(FaultCode::UnknownKey, join_path(path, key), node.place(), message);
+        let section = path.split('.').next().unwrap_or(path);
+        faults.push(match path == section {
+            true => {
+                fault.help(format!("a section [{section}.variants.{}] keeps its keys for a swap", other.name))
+            }
+            false => fault,
+        });
+        foreign.push(key.to_owned());
+    }
+    table.retain(|key| !foreign.iter().any(|other| other == key));
 }
