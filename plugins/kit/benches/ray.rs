@@ -37,11 +37,12 @@ fn single_rays(bencher: divan::Bencher) {
 fn fans_of_361(bencher: divan::Bencher) {
     let world = GeneratedWorld::indoor(1000, 4242);
     let grid = RayGrid::new(world.size, &world.occupied);
-    let (origins, angles) = (origins(&world), angles());
+    let origins = origins(&world);
+    let directions: Vec<[f64; 2]> = angles().iter().map(|a| [a.cos(), a.sin()]).collect();
     let mut distances = vec![0.0; N_BEAMS];
     bencher.counter(divan::counter::ItemsCount::new(origins.len() * N_BEAMS)).bench_local(|| {
         for &(x, y) in &origins {
-            grid.cast_fan(x, y, &angles, RANGE_CELLS, &mut distances);
+            grid.cast_fan([x, y], 0.3, &directions, RANGE_CELLS, &mut distances);
         }
         distances[0]
     });

@@ -8,7 +8,10 @@
 //! All lengths are in cells. Cells are half-open; a ray through an exact corner enters the cell beside it in x first,
 //! so it never slips between two occupied cells that touch at that corner.
 
-use crate::GridSize;
+mod fan;
+
+use crate::{GridSize, simd};
+use fan::Fan;
 
 const OUTSIDE: u8 = u8::MAX;
 const LONGEST_SKIP: u8 = OUTSIDE - 1;
@@ -44,6 +47,13 @@ impl Ray {
         Self { x, y, dir_x, dir_y }
     }
 
+    /// The ray along a unit vector that is turned by an angle, given as its sine and cosine.
+    #[inline(always)]
+    fn turned([x, y]: [f64; 2], (sin, cos): (f64, f64), [a, b]: [f64; 2]) -> Self {
+        Self { x, y, dir_x: cos * a - sin * b, dir_y: sin * a + cos * b }
+    }
+
+    #[inline(always)]
     fn is_finite(&self) -> bool {
         // A sum is finite only if all its terms are, and this costs one test.
         (self.x + self.y + self.dir_x + self.dir_y).is_finite()
@@ -125,15 +135,24 @@ impl RayGrid {
         }
     }
 
-    /// Casts a fan of rays from one origin: `distances[i]` belongs to `angles_rad[i]`.
-    pub fn cast_fan(&self, x: f64, y: f64, angles_rad: &[f64], max_range: f64, distances: &mut [f64]) {
-        assert_eq!(angles_rad.len(), distances.len(), "one distance per angle");
-        for (distance, &angle_rad) in distances.iter_mut().zip(angles_rad) {
-            *distance = self.cast(&Ray::at_angle(x, y, angle_rad), max_range);
-        }
+    /// Casts a fan of rays from one origin: `distances[i]` belongs to the unit vector `directions[i]`, turned by
+    /// `heading_rad`. Many rays go side by side, so that this takes a fraction of the time of single casts; the answers
+    /// are the same to the bit.
+    pub fn cast_fan(
+        &self,
+        origin: [f64; 2],
+        heading_rad: f64,
+        directions: &[[f64; 2]],
+        max_range: f64,
+        distances: &mut [f64],
+    ) {
+        assert_eq!(directions.len(), distances.len(), "one distance per direction");
+        let turn = heading_rad.sin_cos();
+        simd::widest(Fan { grid: self, origin, turn, directions, max_range, distances });
     }
 
     /// Moves the origin to where the ray enters the map, or `None` when it never does.
+    #[inline(always)]
     fn enter(&self, ray: &Ray) -> Option<Walk> {
         if !ray.is_finite() {
             return None;
@@ -193,21 +212,21 @@ struct Axis {
 }
 
 impl Axis {
+    #[inline(always)]
     fn new(origin: f64, direction: f64, n_cells: usize) -> Self {
-        let up = direction > 0.0;
         // Truncation is floor here: the origin is not negative but for rounding at the border.
         let cell = (origin as i32).clamp(0, n_cells as i32 - 1);
-        let (step, first_edge) = if up { (1, 1) } else { (-1, 0) };
-        Self { origin, direction, inverse: 1.0 / direction, cell, step, first_edge }
+        let (step, first_edge) = if direction >= 0.0 { (1, 1) } else { (-1, 0) };
+        // An axis along which the ray does not move has its next edge above the origin, infinitely far away.
+        let inverse = if direction == 0.0 { f64::INFINITY } else { 1.0 / direction };
+        Self { origin, direction, inverse, cell, step, first_edge }
     }
 
     /// Distance at which the n-th next edge is crossed.
     #[inline(always)]
     fn crossing(&self, n: i32) -> f64 {
         let edge = self.cell + self.first_edge + self.step * (n - 1);
-        let distance = (f64::from(edge) - self.origin) * self.inverse;
-        // 0 * infinity: an origin on an edge, moving along it, never crosses.
-        if self.direction == 0.0 { f64::INFINITY } else { distance }
+        (f64::from(edge) - self.origin) * self.inverse
     }
 
     /// Moves to the cell this axis is in at `distance`, which lies at most `n_most` cells on.
@@ -235,6 +254,7 @@ struct Walk {
 }
 
 impl Walk {
+    #[inline(always)]
     fn new(ray: &Ray, entered: f64, size: GridSize) -> Self {
         Self {
             x: Axis::new(ray.x, ray.dir_x, size.width),
@@ -244,8 +264,19 @@ impl Walk {
     }
 
     #[inline(always)]
-    fn run(mut self, grid: &RayGrid, max_range: f64, skip_of: impl Fn(u8) -> i32) -> f64 {
-        let mut distance = 0.0;
+    fn run(self, grid: &RayGrid, max_range: f64, skip_of: impl Fn(u8) -> i32) -> f64 {
+        self.run_from(0.0, grid, max_range, skip_of)
+    }
+
+    /// Goes on from the cell that was entered at `distance`.
+    #[inline(always)]
+    fn run_from(
+        mut self,
+        mut distance: f64,
+        grid: &RayGrid,
+        max_range: f64,
+        skip_of: impl Fn(u8) -> i32,
+    ) -> f64 {
         loop {
             let index = (self.y.cell + 1) as usize * grid.stride + (self.x.cell + 1) as usize;
             let skip = grid.skips[index];
@@ -255,17 +286,22 @@ impl Walk {
             if skip == OUTSIDE || self.entered + distance >= max_range {
                 return max_range;
             }
-            let n = skip_of(skip);
-            let (to_x, to_y) = (self.x.crossing(n), self.y.crossing(n));
-            if to_x <= to_y {
-                distance = to_x;
-                self.x.cell += n * self.x.step;
-                self.y.follow(distance, n - 1, |crossing, now| crossing < now);
-            } else {
-                distance = to_y;
-                self.y.cell += n * self.y.step;
-                self.x.follow(distance, n - 1, |crossing, now| crossing <= now);
-            }
+            self.leave_square(skip_of(skip), &mut distance);
+        }
+    }
+
+    /// Moves out of the square of cells nearer than `n`, which are empty.
+    #[inline(always)]
+    fn leave_square(&mut self, n: i32, distance: &mut f64) {
+        let (to_x, to_y) = (self.x.crossing(n), self.y.crossing(n));
+        if to_x <= to_y {
+            *distance = to_x;
+            self.x.cell += n * self.x.step;
+            self.y.follow(to_x, n - 1, |crossing, now| crossing < now);
+        } else {
+            *distance = to_y;
+            self.y.cell += n * self.y.step;
+            self.x.follow(to_y, n - 1, |crossing, now| crossing <= now);
         }
     }
 }

@@ -2,6 +2,10 @@ use super::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+fn unit(angle_rad: f64) -> [f64; 2] {
+    [angle_rad.cos(), angle_rad.sin()]
+}
+
 fn random_grid(rng: &mut Xoshiro256PlusPlus, size: GridSize, density: f64) -> Vec<u8> {
     (0..size.n_cells()).map(|_| u8::from(rng.random_bool(density))).collect()
 }
@@ -127,17 +131,37 @@ fn what_is_not_finite_meets_nothing() {
 }
 
 #[test]
-fn a_fan_is_its_rays() {
+fn a_fan_is_its_rays_to_the_bit() {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
-    let size = GridSize::new(80, 50);
-    let occupied = random_grid(&mut rng, size, 0.01);
-    let grid = RayGrid::new(size, &occupied);
-    for n_rays in [0, 1, 7, 8, 9, 361] {
-        let angles: Vec<f64> = (0..n_rays).map(|i| f64::from(i) * 0.01 - 1.0).collect();
-        let mut distances = vec![0.0; angles.len()];
-        grid.cast_fan(33.3, 21.7, &angles, 30.0, &mut distances);
-        for (angle, distance) in angles.iter().zip(&distances) {
-            assert_eq!(*distance, grid.cast(&Ray::at_angle(33.3, 21.7, *angle), 30.0));
+    for round in 0..60 {
+        let size = GridSize::new(1 + rng.next_u32() as usize % 90, 1 + rng.next_u32() as usize % 90);
+        let occupied = random_grid(&mut rng, size, [0.002, 0.02, 0.2][round % 3]);
+        let grid = RayGrid::new(size, &occupied);
+        let n_rays = [0, 1, 15, 16, 17, 361][rng.next_u32() as usize % 6];
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let exact = [[1.0, 0.0], [0.0, -1.0], [half, half], [-half, half], [0.6, -0.8]];
+        let direction = |i: usize| match exact.get(i % 40) {
+            Some(exact) => *exact,
+            None => unit(i as f64 * 0.1),
+        };
+        let directions: Vec<[f64; 2]> = (0..n_rays).map(direction).collect();
+        // On the lattice, between, and outside.
+        let origin = [f64::from(rng.random_range(-6..120)) * 0.5, rng.random_range(-5.0..70.0_f64)];
+        let heading = [0.0, 0.0, rng.random_range(-4.0..4.0)][round % 3];
+        let max_range = rng.random_range(0.0..120.0);
+        let mut distances = vec![0.0; n_rays];
+        grid.cast_fan(origin, heading, &directions, max_range, &mut distances);
+        for (direction, distance) in directions.iter().zip(&distances) {
+            let ray = Ray::turned(origin, heading.sin_cos(), *direction);
+            assert_eq!(distance.to_bits(), grid.cast_cell_by_cell(&ray, max_range).to_bits(), "{ray:?}");
         }
     }
+}
+
+#[test]
+fn a_fan_without_an_origin_meets_nothing() {
+    let grid = RayGrid::new(GridSize::new(2, 2), &[1; 4]);
+    let mut distances = [0.0; 20];
+    grid.cast_fan([f64::NAN, 1.0], 0.0, &[[1.0, 0.0]; 20], 7.0, &mut distances);
+    assert_eq!(distances, [7.0; 20]);
 }
