@@ -151,6 +151,11 @@ impl RayGrid {
         simd::widest(Fan { grid: self, origin, turn, directions, max_range, distances });
     }
 
+    #[inline(always)]
+    fn skip_at(&self, index: usize) -> u8 {
+        self.skips.get(index).copied().unwrap_or(OUTSIDE)
+    }
+
     /// Moves the origin to where the ray enters the map, or `None` when it never does.
     #[inline(always)]
     fn enter(&self, ray: &Ray) -> Option<Walk> {
@@ -278,8 +283,7 @@ impl Walk {
         skip_of: impl Fn(u8) -> i32,
     ) -> f64 {
         loop {
-            let index = (self.y.cell + 1) as usize * grid.stride + (self.x.cell + 1) as usize;
-            let skip = grid.skips[index];
+            let skip = grid.skip_at(self.index(grid.stride));
             if skip == 0 {
                 return (self.entered + distance).min(max_range);
             }
@@ -288,6 +292,12 @@ impl Walk {
             }
             self.leave_square(skip_of(skip), &mut distance);
         }
+    }
+
+    /// Where the present cell lies among the skips.
+    #[inline(always)]
+    fn index(&self, stride: usize) -> usize {
+        (self.y.cell + 1) as usize * stride + (self.x.cell + 1) as usize
     }
 
     /// Moves out of the square of cells nearer than `n`, which are empty.

@@ -12,6 +12,9 @@ type Lane = [f64; LANES];
 /// A place this near to an edge (in cells) may be taken for the wrong cell; then the edge crossings decide.
 const NEAR_EDGE: f64 = 1e-9;
 
+/// No ray is in this lane.
+const NOTHING: usize = usize::MAX;
+
 /// See [`RayGrid::cast_fan`].
 pub(super) struct Fan<'a> {
     pub(super) grid: &'a RayGrid,
@@ -27,54 +30,65 @@ impl Kernel for Fan<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<V: Vectors>(self) {
-        let Self { grid, origin, turn, directions, max_range, distances } = self;
-        let mut waiting = directions.iter().zip(distances).filter_map(|(&direction, distance)| {
-            *distance = max_range;
-            let walk = grid.enter(&Ray::turned(origin, turn, direction))?;
-            Some((walk, distance))
-        });
+    fn run<V: Vectors>(mut self) {
         let mut lanes = Lanes::new();
-        let mut answers: [Option<&mut f64>; LANES] = [const { None }; LANES];
+        let mut rays = [NOTHING; LANES];
+        let mut next = 0;
         let mut n_under_way = 0;
-        for (lane, answer) in answers.iter_mut().enumerate() {
-            if let Some((walk, distance)) = waiting.next() {
-                lanes.begin(lane, &walk);
-                *answer = Some(distance);
-                n_under_way += 1;
-            }
+        while n_under_way < LANES
+            && let Some((_, ray)) = self.begin_next(&mut lanes, n_under_way, &mut next)
+        {
+            rays[n_under_way] = ray;
+            n_under_way += 1;
         }
         // With empty lanes, stepping all of them is a waste.
         while n_under_way == LANES {
             let mut skips = [0; LANES];
-            for (skip, cell) in skips.iter_mut().zip(lanes.cells(grid.stride)) {
-                *skip = grid.skips.get(cell).copied().unwrap_or(OUTSIDE);
+            for (skip, cell) in skips.iter_mut().zip(lanes.cells(self.grid.stride)) {
+                *skip = self.grid.skip_at(cell);
             }
-            if lanes.any_ends(&skips, max_range) {
-                for (lane, answer) in answers.iter_mut().enumerate() {
-                    let Some(distance) = lanes.answer(lane, skips[lane], max_range) else { continue };
-                    if let Some(answer) = answer.take() {
-                        *answer = distance;
-                    }
-                    if let Some((walk, next)) = waiting.next() {
-                        lanes.begin(lane, &walk);
-                        *answer = Some(next);
-                        skips[lane] =
-                            grid.skips.get(lanes.cells(grid.stride)[lane]).copied().unwrap_or(OUTSIDE);
-                    } else {
-                        n_under_way -= 1;
-                    }
+            let mut ended = lanes.ended(&skips, self.max_range);
+            while ended != 0 {
+                let lane = ended.trailing_zeros() as usize;
+                self.distances[rays[lane]] = lanes.answer(lane, skips[lane], self.max_range);
+                let Some((skip, ray)) = self.begin_next(&mut lanes, lane, &mut next) else {
+                    n_under_way -= 1;
+                    lanes.rest(lane);
+                    skips[lane] = 1;
+                    rays[lane] = NOTHING;
+                    ended &= ended - 1;
+                    continue;
+                };
+                (skips[lane], rays[lane]) = (skip, ray);
+                if !lanes.has_ended(lane, skip, self.max_range) {
+                    ended &= ended - 1;
                 }
-            } else {
-                lanes.step(&skips);
             }
+            lanes.step(&skips);
         }
-        for (lane, answer) in answers.into_iter().enumerate() {
-            if let Some(answer) = answer {
+        for (lane, ray) in rays.into_iter().enumerate() {
+            if ray != NOTHING {
                 let (walk, distance) = lanes.walk(lane);
-                *answer = walk.run_from(distance, grid, max_range, i32::from);
+                self.distances[ray] = walk.run_from(distance, self.grid, self.max_range, i32::from);
             }
         }
+    }
+}
+
+impl Fan<'_> {
+    /// Puts the next ray that meets the map into a lane: its first skip and its number. Those that do not are answered.
+    #[inline(always)]
+    fn begin_next(&mut self, lanes: &mut Lanes, lane: usize, next: &mut usize) -> Option<(u8, usize)> {
+        while let Some(&direction) = self.directions.get(*next) {
+            let ray = *next;
+            *next += 1;
+            if let Some(walk) = self.grid.enter(&Ray::turned(self.origin, self.turn, direction)) {
+                lanes.begin(lane, &walk);
+                return Some((self.grid.skip_at(walk.index(self.grid.stride)), ray));
+            }
+            self.distances[ray] = self.max_range;
+        }
+        None
     }
 }
 
@@ -148,24 +162,36 @@ impl Lanes {
         cells
     }
 
+    /// Bit `i` says that the ray in lane `i` ends where it is.
     #[inline(always)]
-    fn any_ends(&self, skips: &[u8; LANES], max_range: f64) -> bool {
-        let mut any = false;
+    fn ended(&self, skips: &[u8; LANES], max_range: f64) -> u32 {
+        let mut ended = 0;
         for lane in 0..LANES {
-            let is_far = self.entered[lane] + self.distance[lane] >= max_range;
-            any |= is_far | (skips[lane] == 0) | (skips[lane] == OUTSIDE);
+            ended |= u32::from(self.has_ended(lane, skips[lane], max_range)) << lane;
         }
-        any
+        ended
+    }
+
+    #[inline(always)]
+    fn has_ended(&self, lane: usize, skip: u8, max_range: f64) -> bool {
+        let is_far = self.entered[lane] + self.distance[lane] >= max_range;
+        // 0 and OUTSIDE in one test.
+        is_far | (skip.wrapping_sub(1) >= OUTSIDE - 1)
     }
 
     /// The answer of a ray that ends here.
     #[inline(always)]
-    fn answer(&self, lane: usize, skip: u8, max_range: f64) -> Option<f64> {
+    fn answer(&self, lane: usize, skip: u8, max_range: f64) -> f64 {
         let distance = self.entered[lane] + self.distance[lane];
-        match skip {
-            0 => Some(distance.min(max_range)),
-            OUTSIDE => Some(max_range),
-            _ => (distance >= max_range).then_some(max_range),
+        if skip == 0 && distance < max_range { distance } else { max_range }
+    }
+
+    /// Leaves a lane standing in the first cell.
+    #[inline(always)]
+    fn rest(&mut self, lane: usize) {
+        for k in 0..2 {
+            (self.direction[k][lane], self.inverse[k][lane], self.step[k][lane]) = (0.0, 0.0, 0.0);
+            (self.cell[k][lane], self.origin[k][lane]) = (0.0, 0.5);
         }
     }
 
