@@ -137,7 +137,7 @@ fn solve(map: &BenchMap, problem: &Problem, planners: &mut (GridAStar, GridDp)) 
         back_off: 0.0,
     };
     let request = ends(map.size, problem.start, problem.goal);
-    let dp_cost = dp.plan(map.size, &map.kinds, &rules, &request, &mut || false).ok().map(|plan| plan.cost);
+    let dp_cost = dp.cost(map.size, &map.kinds, &rules, &request, &mut || false).ok();
     Outcome::of(problem, a_star_length, dp_cost)
 }
 

@@ -156,6 +156,40 @@ impl GridDp {
         distance_at(&self.proximity, start[0].floor() as i64, start[1].floor() as i64)
     }
 
+    /// Cost of the cheapest path, infinite where there is none: a plan's cost without the plan.
+    pub fn cost(
+        &mut self,
+        size: GridSize,
+        kinds: &[CellKind],
+        rules: &DpRules,
+        request: &DpRequest,
+        give_up: &mut dyn FnMut() -> bool,
+    ) -> Result<f64, DpFault> {
+        self.update_proximity(size, kinds, rules.steps.diagonal_step);
+        let start_cell = self.grow_field(request.start, request.goal, rules, give_up)?;
+        Ok(self.field.cost(start_cell))
+    }
+
+    /// Grows the cost field around the goal up to the start's cell, which is returned.
+    fn grow_field(
+        &mut self,
+        start: Point,
+        goal: usize,
+        rules: &DpRules,
+        give_up: &mut dyn FnMut() -> bool,
+    ) -> Result<usize, DpFault> {
+        let size = self.proximity.size();
+        let distance = self.start_distance(start).ok_or(DpFault::StartNotFree)?;
+        let is_inside_band = !keeps(distance, rules.clearances.minimum);
+        let escape = Escape { center: start, radius: rules.escape_radius, minimum: rules.escape_minimum };
+        let escape = is_inside_band.then_some(escape);
+        rules.clearances.entry_costs(&self.proximity, escape, &mut self.entry_costs);
+        self.field.set_entry_costs(size, &self.entry_costs, rules.steps);
+        let start_cell = size.index(start[0] as usize, start[1] as usize);
+        self.field.grow(goal, Until::Settled(start_cell), give_up).map_err(|_| DpFault::GivenUp)?;
+        Ok(start_cell)
+    }
+
     /// A plan, or `None` where there is no way.
     fn plan_from(
         &mut self,
@@ -165,14 +199,7 @@ impl GridDp {
         give_up: &mut dyn FnMut() -> bool,
     ) -> Result<Option<DpPlan>, DpFault> {
         let size = self.proximity.size();
-        let distance = self.start_distance(start).ok_or(DpFault::StartNotFree)?;
-        let is_inside_band = !keeps(distance, rules.clearances.minimum);
-        let escape = Escape { center: start, radius: rules.escape_radius, minimum: rules.escape_minimum };
-        let escape = is_inside_band.then_some(escape);
-        rules.clearances.entry_costs(&self.proximity, escape, &mut self.entry_costs);
-        self.field.set_entry_costs(size, &self.entry_costs, rules.steps);
-        let start_cell = size.index(start[0] as usize, start[1] as usize);
-        self.field.grow(goal, Until::Settled(start_cell), &mut *give_up).map_err(|_| DpFault::GivenUp)?;
+        let start_cell = self.grow_field(start, goal, rules, give_up)?;
         let Some(cells) = descend(&self.field, rules.steps, start_cell, goal) else {
             return Ok(None);
         };
