@@ -1,5 +1,8 @@
 //! Rays side by side: one in each lane of the processor's vectors, replaced by the next as it ends.
 
+// One loop over the lanes is one vector instruction per line.
+#![allow(clippy::needless_range_loop)]
+
 use super::{OUTSIDE, Ray, RayGrid, Walk};
 use crate::simd::{Kernel, Vectors};
 
@@ -213,7 +216,7 @@ impl Lanes {
             let place = if along_x { side(1) } else { side(0) };
             let cell = place.floor();
             let past_edge = place - cell;
-            is_near_edge |= (past_edge < NEAR_EDGE) | (past_edge > 1.0 - NEAR_EDGE);
+            is_near_edge |= (past_edge - 0.5).abs() > 0.5 - NEAR_EDGE;
             let beyond = |k: usize| self.cell[k][lane] + self.step[k][lane] * n;
             let (beyond_x, beyond_y) = (beyond(0), beyond(1));
             before[0][lane] = self.cell[0][lane];
