@@ -41,6 +41,16 @@ impl Lms200Unit {
         }
     }
 
+    /// The distance in whole counts: what the device can say.
+    pub fn counted(self, range_m: f64) -> f64 {
+        let per_meter = match self {
+            Self::Millimeters => 1000.0,
+            Self::Centimeters => 100.0,
+        };
+        // Ranges are not negative but for noise at the transducer, and then the count is 0.
+        f64::from((range_m * per_meter + 0.5) as u32) / per_meter
+    }
+
     /// Farthest distance that can be said.
     pub fn reach_m(self) -> f64 {
         LARGEST_CODE * self.step_m()
@@ -105,7 +115,7 @@ pub fn read(exact_m: f64, unit: Lms200Unit, rng: &mut Rng) -> f64 {
             break normal * ERROR_DEVIATION_M;
         }
     };
-    ((exact_m + error_m) / unit.step_m()).round() * unit.step_m()
+    unit.counted(exact_m + error_m)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use rumbo_core::frames::{Point2, Pose3};
 use rumbo_core::messages::Intrinsics;
 
+use super::lattice::Lattice;
 use super::place::{Place, View};
 use super::solid::{Ray, Solid, Vector};
 use super::sound::echo;
@@ -34,9 +35,6 @@ pub struct Ring<'a> {
 pub struct Eyes {
     fans: Vec<((f64, usize), Vec<Vector>)>,
     movers: Vec<Solid>,
-    shots: Vec<(Ray, f64)>,
-    /// Meters of answer for each cell of a shot's way.
-    scales: Vec<f64>,
     ranges_m: Vec<f32>,
 }
 
@@ -104,32 +102,23 @@ impl Eyes {
         let ahead = beam(place, map_from_sensor, &nalgebra::Vector3::x());
         let left = place.lattice_from_map.rotation * (map_from_sensor.rotation * nalgebra::Vector3::y()).xy();
         let reach = max_range_m / place.resolution_m;
-        self.shots.clear();
-        self.scales.clear();
-        for direction in &self.fans[fan_idx].1 {
-            if is_level {
-                let along = ahead.ray.along * direction.x + left * direction.y;
-                self.shots.push((Ray { along, slope: 0.0, ..ahead.ray }, reach));
-                self.scales.push(place.resolution_m);
-            } else {
-                let beam = beam(place, map_from_sensor, &direction.push(0.0));
-                self.shots.push((beam.ray, max_range_m / beam.meters_per_cell));
-                self.scales.push(beam.meters_per_cell);
-            }
+        let directions = &self.fans[fan_idx].1;
+        let level_ray = |idx: usize| {
+            let along = ahead.ray.along * directions[idx].x + left * directions[idx].y;
+            (Ray { along, slope: 0.0, ..ahead.ray }, reach)
+        };
+        let tilted_ray = |idx: usize| {
+            let beam = beam(place, map_from_sensor, &directions[idx].push(0.0));
+            (beam.ray, max_range_m / beam.meters_per_cell)
+        };
+        let lattice = place.lattice(number);
+        let shoot = Shoot { lattice, movers: &self.movers, max_range_m, n_rays: fan.n_beams };
+        if is_level {
+            shoot.rays(level_ray, &mut self.ranges_m)
+        } else {
+            shoot.rays(tilted_ray, &mut self.ranges_m)
         }
-        self.shoot(place, number);
         &self.ranges_m
-    }
-
-    /// Casts all shots; ranges come out in the same order.
-    fn shoot(&mut self, place: &Place, lattice_number: usize) {
-        self.ranges_m.clear();
-        self.ranges_m.resize(self.shots.len(), f32::INFINITY);
-        let (shots, movers, scales, ranges_m) = (&self.shots, &self.movers, &self.scales, &mut self.ranges_m);
-        place.lattice(lattice_number).cast_all(shots, |number, hit| {
-            let (ray, reach) = &shots[number];
-            ranges_m[number] = (nearest(hit.map(|hit| hit.way), movers, ray, *reach) * scales[number]) as f32;
-        });
     }
 
     /// Depths along the optical axis, row by row from the top.
@@ -142,21 +131,18 @@ impl Eyes {
     ) -> &[f32] {
         let all_heights = View { z_min_m: f64::NEG_INFINITY, z_max_m: f64::INFINITY, with_glass: false };
         let number = self.look(place, all_heights);
-        self.shots.clear();
-        self.scales.clear();
-        for row in 0..camera.height {
-            let up = (camera.center_px[1] - f64::from(row)) / camera.focal_px[1];
-            for col in 0..camera.width {
-                let left = (camera.center_px[0] - f64::from(col)) / camera.focal_px[0];
-                let direction = nalgebra::Vector3::new(1.0, left, up);
-                let length = direction.norm();
-                let beam = beam(place, map_from_sensor, &(direction / length));
-                let meters_of_depth = beam.meters_per_cell / length;
-                self.shots.push((beam.ray, max_range_m / meters_of_depth));
-                self.scales.push(meters_of_depth);
-            }
-        }
-        self.shoot(place, number);
+        let ray_of = |idx: usize| {
+            let (row, col) = (idx / camera.width as usize, idx % camera.width as usize);
+            let up = (camera.center_px[1] - row as f64) / camera.focal_px[1];
+            let left = (camera.center_px[0] - col as f64) / camera.focal_px[0];
+            let direction = nalgebra::Vector3::new(1.0, left, up);
+            let length = direction.norm();
+            let beam = beam(place, map_from_sensor, &(direction / length));
+            (beam.ray, max_range_m * length / beam.meters_per_cell)
+        };
+        let n_rays = camera.width as usize * camera.height as usize;
+        let shoot = Shoot { lattice: place.lattice(number), movers: &self.movers, max_range_m, n_rays };
+        shoot.rays(ray_of, &mut self.ranges_m);
         &self.ranges_m
     }
 
@@ -212,6 +198,30 @@ impl Eyes {
             self.fans.push((shape, (0..fan.n_beams).map(direction).collect()));
             self.fans.len() - 1
         })
+    }
+}
+
+/// Many rays into one lattice.
+struct Shoot<'a> {
+    lattice: &'a Lattice,
+    movers: &'a [Solid],
+    max_range_m: f64,
+    n_rays: usize,
+}
+
+impl Shoot<'_> {
+    /// Ranges of all rays; `ray_of` gives each with the reach, in cells of way, that stands for the largest range.
+    fn rays(&self, ray_of: impl Fn(usize) -> (Ray, f64), ranges_m: &mut Vec<f32>) {
+        ranges_m.clear();
+        ranges_m.resize(self.n_rays, f32::INFINITY);
+        self.lattice.cast_all(self.n_rays, ray_of, |number, ray, reach, hit| {
+            let way = nearest(hit.map(|hit| hit.way), self.movers, ray, reach);
+            if way > 0.0 && way < f64::INFINITY {
+                ranges_m[number] = (way * (self.max_range_m / reach)) as f32;
+            } else {
+                ranges_m[number] = way as f32;
+            }
+        });
     }
 }
 

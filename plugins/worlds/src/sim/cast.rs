@@ -153,24 +153,34 @@ impl Lattice {
         }
     }
 
-    /// Casts many rays; `done` is called once for each, in no particular order, with its number and what it met.
-    pub fn cast_all(&self, rays: &[(Ray, f64)], mut done: impl FnMut(usize, Option<Hit>)) {
-        for (group, rays) in rays.chunks(ABREAST).enumerate() {
-            let first = group * ABREAST;
+    /// Casts `n_rays` rays, each given by its number with its reach; `done` is called once for each, in no particular
+    /// order, with its number, the ray, its reach and what it met.
+    pub fn cast_all(
+        &self,
+        n_rays: usize,
+        ray_of: impl Fn(usize) -> (Ray, f64),
+        mut done: impl FnMut(usize, &Ray, f64, Option<Hit>),
+    ) {
+        for first in (0..n_rays).step_by(ABREAST) {
+            let n_abreast = ABREAST.min(n_rays - first);
+            // Places beyond the last ray repeat it and stay empty.
+            let rays: [(Ray, f64); ABREAST] =
+                std::array::from_fn(|idx| ray_of(first + idx.min(n_abreast - 1)));
             let mut walks: [Option<Walk<'_>>; ABREAST] = [None; ABREAST];
             let mut n_walking = 0;
-            for (idx, (slot, (ray, reach))) in walks.iter_mut().zip(rays).enumerate() {
-                *slot = Walk::new(self, ray, *reach);
-                match slot {
+            for (idx, (ray, reach)) in rays[..n_abreast].iter().enumerate() {
+                walks[idx] = Walk::new(self, ray, *reach);
+                match walks[idx] {
                     Some(_) => n_walking += 1,
-                    None => done(first + idx, None),
+                    None => done(first + idx, ray, *reach, None),
                 }
             }
             while n_walking > 0 {
                 for (idx, slot) in walks.iter_mut().enumerate() {
                     let Some(walk) = slot else { continue };
-                    if let Step::End(hit) = walk.step(self, &rays[idx].0) {
-                        done(first + idx, hit);
+                    let (ray, reach) = &rays[idx];
+                    if let Step::End(hit) = walk.step(self, ray) {
+                        done(first + idx, ray, *reach, hit);
                         *slot = None;
                         n_walking -= 1;
                     }

@@ -72,10 +72,18 @@ fn the_fast_ray_meets_what_the_slow_twin_meets() {
             if slow.is_some() { n_hits += 1 } else { n_misses += 1 }
         }
         let mut n_done = 0;
-        lattice.cast_all(&shots, |number, hit| {
-            assert_eq!(hit, lattice.cast(&shots[number].0, f64::INFINITY), "abreast as alone");
-            n_done += 1;
-        });
+        lattice.cast_all(
+            shots.len(),
+            |number| shots[number],
+            |number, ray, reach, hit| {
+                assert_eq!(
+                    ((*ray, reach), hit),
+                    (shots[number], lattice.cast(ray, reach)),
+                    "abreast as alone"
+                );
+                n_done += 1;
+            },
+        );
         assert_eq!(n_done, shots.len());
     }
     assert!(n_hits > 5_000 && n_misses > 2_000, "{n_hits} hits, {n_misses} misses");
