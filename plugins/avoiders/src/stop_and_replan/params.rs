@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct StopAndReplanParams {
     /// Behave as published (Hernández Alamilla 2005): switches off `ignore_expected`, `look_ahead_m`,
-    /// `heading_gain_per_s`, `keep_off_m` and `merge_within_m`, stops at `stop_distance_m` at any speed, and reports obstacles only
+    /// `heading_gain_per_s`, `keep_off_m` and `merge_within_cells`, stops at `stop_distance_m` at any speed, and reports obstacles only
     /// inside the watched strip.
     pub thesis_mode: bool,
     /// Least, medium and greatest speed of a straight piece, m/s; the robot's own limit caps them.
@@ -35,8 +35,9 @@ pub struct StopAndReplanParams {
     pub max_lateral_error_m: f64,
     /// Correction of the heading while driving, degrees per second for each degree of error; 0 for none.
     pub heading_gain_per_s: f64,
-    /// Points of the path this near to a straight piece are no checkpoints, meters.
-    pub merge_within_m: f64,
+    /// Points of the path this near to a straight piece are no checkpoints, cells of the map: planners on a grid make
+    /// staircases of slanting ways.
+    pub merge_within_cells: f64,
     /// Room between the hull and what the scanner sees beside it, meters: a robot that drives gives way to keep it, up to
     /// 0.8 of `max_lateral_error_m`; 0 for never. More than the guard's margin.
     pub keep_off_m: f64,
@@ -83,7 +84,7 @@ impl Default for StopAndReplanParams {
             max_heading_error_deg: 5.0,
             max_lateral_error_m: 0.10,
             heading_gain_per_s: 1.0,
-            merge_within_m: 0.025,
+            merge_within_cells: 0.8,
             keep_off_m: 0.08,
             stop_distance_m: 0.30,
             watched_width_m: 0.60,
@@ -111,7 +112,7 @@ impl StopAndReplanParams {
             ignore_expected: false,
             look_ahead_m: 0.0,
             heading_gain_per_s: 0.0,
-            merge_within_m: 0.0,
+            merge_within_cells: 0.0,
             keep_off_m: 0.0,
             insertion_width_m: self.watched_width_m,
             ..self.clone()
@@ -138,7 +139,6 @@ impl StopAndReplanParams {
             max_heading_error_rad: self.max_heading_error_deg.to_radians(),
             max_lateral_error_m: self.max_lateral_error_m,
             heading_gain_per_s: self.heading_gain_per_s,
-            merge_within_m: self.merge_within_m,
         }
     }
 
@@ -207,7 +207,7 @@ impl StopAndReplanParams {
         ];
         let from_zero = [
             ("heading_gain_per_s", self.heading_gain_per_s),
-            ("merge_within_m", self.merge_within_m),
+            ("merge_within_cells", self.merge_within_cells),
             ("keep_off_m", self.keep_off_m),
             ("front_sonar_within_deg", self.front_sonar_within_deg),
             ("expected_within_m", self.expected_within_m),

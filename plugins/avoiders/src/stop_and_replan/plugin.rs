@@ -7,6 +7,7 @@ use super::progress::Progress;
 use super::sightings::{Sightings, Source};
 use super::turn_then_go::{Motion, TurnThenGo};
 use rumbo_core::frames::{Pose2, Twist, flatten, is_finite2};
+use rumbo_core::map::Grid;
 use rumbo_core::messages::{Check, MessageFault, ObservationKind};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::robot::{DriveKind, Robot};
@@ -21,6 +22,7 @@ pub struct StopAndReplan {
     control: TurnThenGo,
     sightings: Sightings,
     progress: Progress,
+    merge_within_cells: f64,
     stale_after: Span,
     /// How the stop distance grows with the speed; none where it does not.
     braking: Option<Braking>,
@@ -37,6 +39,8 @@ impl StopAndReplan {
     pub const DEFAULT_RATE_HZ: f64 = 10.0;
     /// Readings are kept this much farther than anything looks, for the way that the robot goes until the next, meters.
     const MARGIN_M: f64 = 0.5;
+    /// Cells of a path that comes without a grid, meters.
+    const USUAL_CELL_M: f64 = 0.05;
     /// The robot's velocity explains where it was at most this long ago.
     const OLDEST_S: f64 = 1.0;
 
@@ -55,6 +59,7 @@ impl StopAndReplan {
             control: TurnThenGo::new(params.tuning(robot, 1.0 / rate_hz)),
             sightings: Sightings::new(farthest_m + Self::MARGIN_M),
             progress: Progress::new(Span::from_secs(params.stuck_after_s)),
+            merge_within_cells: params.merge_within_cells,
             stale_after: Span::from_secs(params.stale_after_s),
             braking: (!params.thesis_mode).then_some(braking),
             listening_since: None,
@@ -82,7 +87,9 @@ impl StopAndReplan {
         if self.following != Some(input.path_number) {
             self.following = Some(input.path_number);
             self.is_blocked = false;
-            self.control.follow(now, path, &input.map_from_base);
+            let cell_m = input.grid.map_or(Self::USUAL_CELL_M, Grid::resolution_m);
+            let merge_within_m = self.merge_within_cells * cell_m;
+            self.control.follow(now, path, &input.map_from_base, merge_within_m);
         }
         !self.is_blocked
     }
@@ -135,7 +142,9 @@ impl StopAndReplan {
             self.progress.rest();
             return Ok(Steering::Drive(Twist::ZERO));
         }
-        let brakes_m = self.braking.map_or(0.0, |braking| braking.distance_m(input.twist.forward_m_s));
+        // What is beyond the checkpoint, where the robot stops anyway, needs no brakes.
+        let speed_m_s = input.twist.forward_m_s;
+        let brakes_m = self.braking.map_or(0.0, |b| b.distance_m(speed_m_s).min(left_m + b.standing_m));
         let stop_distance_m = self.watch.stop_distance_m.max(brakes_m);
         let is_unexpected = self.watch.meets_unexpected(&self.sightings, scene, stop_distance_m)
             || self.watch.is_way_closed(&self.sightings, scene, left_m);

@@ -660,6 +660,13 @@ fn a_fast_robot_stops_as_early_as_its_brakes_need() {
     // 0.5 m/s: 0.25 m to brake, 0.05 m until the brakes act, 0.20 m hull, 0.05 m margins.
     bench.twist = Twist::new(0.5, 0.0);
     assert!(is_blocked(&bench.steer(&[])));
+    // 0.15 m before its checkpoint it stops anyway, 0.05 m short of the hit.
+    let mut bench = Bench::new(StopAndReplanParams { look_ahead_m: 0.0, ..StopAndReplanParams::default() });
+    bench.follow(&[(0.0, 0.0), (0.15, 0.0)]);
+    let seen = [hits(bench.now, &[(0.0, 0.45)])];
+    assert!(!is_blocked(&bench.steer(&seen)));
+    bench.twist = Twist::new(0.5, 0.0);
+    assert!(!is_blocked(&bench.steer(&[])));
 }
 
 #[test]
@@ -697,6 +704,35 @@ fn a_path_that_is_only_renewed_does_not_stop_the_robot() {
     bench.follow(&[(bench.pose.translation.x, 0.0), (4.0, 2.0)]);
     let seen = [hits(bench.now, &[])];
     assert_eq!(bench.steer(&seen), Ok(Steering::Drive(Twist::ZERO)), "another direction needs a stop");
+}
+
+#[test]
+fn a_staircase_of_cells_is_one_straight_piece_but_not_in_thesis_mode() {
+    let stops = |thesis_mode: bool| {
+        let mut bench = Bench::new(StopAndReplanParams { thesis_mode, ..StopAndReplanParams::default() });
+        bench.grid = Some(grid_with(&[], 0.0));
+        bench.pose = pose2(0.0, 0.0, 0.46);
+        // Two cells ahead, one up, again and again: a slant of one in two.
+        let cells: Vec<(f64, f64)> = (0..=10)
+            .flat_map(|k| {
+                [(0.1, 0.05), (0.15, 0.05)].map(|(x, y)| (x + 0.1 * f64::from(k), y * f64::from(k + 1)))
+            })
+            .collect();
+        bench.follow(&[&[(0.0, 0.0)], cells.as_slice()].concat());
+        let mut n_stops = 0;
+        for _ in 0..4000 {
+            match bench.steer(&[hits(bench.now, &[])]).unwrap() {
+                Steering::Drive(twist) => {
+                    n_stops += u32::from(twist == Twist::ZERO && bench.twist != Twist::ZERO);
+                    bench.obey(twist);
+                }
+                _ => break,
+            }
+        }
+        n_stops
+    };
+    assert!(stops(false) <= 2, "{}", stops(false));
+    assert!(stops(true) > 10, "{}", stops(true));
 }
 
 #[test]

@@ -26,8 +26,6 @@ pub struct Tuning {
     pub max_lateral_error_m: f64,
     /// Heading correction while driving, rad/s per radian of error; zero for none.
     pub heading_gain_per_s: f64,
-    /// Path points this near to a straight piece are no checkpoints, meters.
-    pub merge_within_m: f64,
 }
 
 impl Tuning {

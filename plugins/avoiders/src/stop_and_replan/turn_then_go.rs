@@ -99,9 +99,10 @@ impl TurnThenGo {
         }
     }
 
-    /// Takes on a new path. A robot that drives towards its first checkpoint already does not stop for it.
-    pub fn follow(&mut self, now: Time, path: &Path, map_from_base: &Pose2) {
-        keep_corners(path.points(), self.tuning.merge_within_m, &mut self.corners);
+    /// Takes on a new path, of which points within `merge_within_m` of a straight piece are no checkpoints. A robot that
+    /// drives towards its first checkpoint already does not stop for it.
+    pub fn follow(&mut self, now: Time, path: &Path, map_from_base: &Pose2, merge_within_m: f64) {
+        keep_corners(path.points(), merge_within_m, &mut self.corners);
         let position = Point2::from(map_from_base.translation.vector);
         self.target = first_target(&self.corners, position, self.tuning.max_lateral_error_m);
         self.final_heading_rad = path.end().yaw_rad;

@@ -10,6 +10,7 @@ use rumbo_core::rng::{self, Rng};
 use rumbo_core::robot::Robot;
 
 const ARRIVAL_M: f64 = 0.10;
+const MERGE_M: f64 = 0.025;
 
 fn vectors() -> toml::Table {
     include_str!("../../../tests/data/control_and_watch.toml").parse().unwrap()
@@ -78,7 +79,7 @@ fn follow(
 ) -> Option<Run> {
     let mut control = TurnThenGo::new(tuning);
     let mut run = Run { duration_s: 0.0, trail: vec![robot.pose], n_turns_of_sides: [0; 2] };
-    control.follow(Time::ZERO, path, &estimate(0.0, &robot.pose));
+    control.follow(Time::ZERO, path, &estimate(0.0, &robot.pose), MERGE_M);
     let n_steps = (limit_s / tuning.period_s) as usize;
     for step in 0..n_steps {
         let now_s = step as f64 * tuning.period_s;
@@ -122,7 +123,7 @@ fn turns_and_distances_are_those_of_the_worked_examples() {
         // The controller makes this very turn.
         let mut control = TurnThenGo::new(tuning(true, 0.1));
         let pose = pose2(from.x, from.y, heading);
-        control.follow(Time::ZERO, &through(&[(from.x, from.y), (to.x, to.y)], None), &pose);
+        control.follow(Time::ZERO, &through(&[(from.x, from.y), (to.x, to.y)], None), &pose, MERGE_M);
         let motion = control.steer(Time::ZERO, &pose, Twist::ZERO, ARRIVAL_M);
         assert_eq!(motion, Motion::Turn(2.8f64.to_radians().copysign(turn)));
         assert!(((to - from).norm() - number(&example["distance"])).abs() < 1e-8);
@@ -212,7 +213,7 @@ fn a_robot_at_its_goal_arrives_at_once_and_turns_only_for_a_wanted_heading() {
 fn driving(thesis_mode: bool) -> TurnThenGo {
     let mut control = TurnThenGo::new(tuning(thesis_mode, 0.1));
     let start = Pose2::identity();
-    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (4.0, 0.0)], None), &start);
+    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (4.0, 0.0)], None), &start, MERGE_M);
     assert!(matches!(control.steer(Time::ZERO, &start, Twist::ZERO, ARRIVAL_M), Motion::Ahead { .. }));
     control
 }
@@ -222,7 +223,7 @@ fn a_half_turn_that_rounding_or_noise_puts_on_the_other_side_stays_clockwise() {
     assert!(smaller_turn(0.0, PI - 1e-12) < 0.0 && smaller_turn(0.3, 0.3 + PI) < 0.0);
     assert!(smaller_turn(0.0, PI - 1e-6) > 0.0 && smaller_turn(0.0, -PI + 1e-6) < 0.0);
     let mut control = TurnThenGo::new(tuning(false, 0.1));
-    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (-2.0, 0.0)], None), &Pose2::identity());
+    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (-2.0, 0.0)], None), &Pose2::identity(), MERGE_M);
     for yaw_deg in [0.0, 1.0, 2.0, -1.0, 0.5, -3.0] {
         let pose = pose2(0.0, 0.0, f64::to_radians(yaw_deg));
         let motion = control.steer(Time::ZERO, &pose, Twist::ZERO, ARRIVAL_M);
@@ -289,7 +290,7 @@ fn a_heading_error_stops_the_robot_where_it_would_miss_the_checkpoint() {
 #[test]
 fn every_turn_of_a_movement_begins_with_the_narrow_tolerance() {
     let mut control = TurnThenGo::new(tuning(true, 0.1));
-    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (0.0, 4.0)], None), &Pose2::identity());
+    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (0.0, 4.0)], None), &Pose2::identity(), MERGE_M);
     let mut motion = |yaw_deg: f64| {
         let pose = pose2(0.0, 0.5, f64::to_radians(yaw_deg));
         control.steer(Time::ZERO, &pose, Twist::ZERO, ARRIVAL_M)
@@ -321,7 +322,7 @@ fn a_robot_far_beside_its_line_stops_even_if_it_looks_at_the_checkpoint() {
 #[test]
 fn an_odometer_that_always_sees_motion_delays_a_turn_by_a_second_at_most() {
     let mut control = TurnThenGo::new(tuning(true, 0.1));
-    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (0.0, 2.0)], None), &Pose2::identity());
+    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (0.0, 2.0)], None), &Pose2::identity(), MERGE_M);
     let begins = (0..100).find(|k| {
         let now = Time::from_secs(0.1 * f64::from(*k));
         let shaky = Twist::new(0.02, 0.0);
@@ -381,7 +382,7 @@ fn giving_way_is_smooth_bounded_and_no_lateral_error() {
     let last = *rates(&mut control, 1.0, &aside, 20).last().unwrap();
     assert!(last.is_some_and(|rate| rate.abs() < 1e-3), "{last:?}");
     // A renewed path does not make it forget.
-    control.follow(Time::ZERO, &through(&[(1.0, 0.08), (4.0, 0.0)], None), &aside);
+    control.follow(Time::ZERO, &through(&[(1.0, 0.08), (4.0, 0.0)], None), &aside, MERGE_M);
     assert!(rates(&mut control, 1.0, &aside, 1)[0].is_some_and(|rate| rate.abs() < 2e-3));
     // Beside its line, but not beside where it gives way to.
     let farther = pose2(1.0, 0.12, 0.0);
@@ -393,7 +394,12 @@ fn giving_way_is_smooth_bounded_and_no_lateral_error() {
 #[test]
 fn a_checkpoint_that_was_passed_aside_is_reached() {
     let mut control = TurnThenGo::new(tuning(false, 0.1));
-    control.follow(Time::ZERO, &through(&[(0.0, 0.0), (1.5, 0.0), (1.5, 2.0)], None), &Pose2::identity());
+    control.follow(
+        Time::ZERO,
+        &through(&[(0.0, 0.0), (1.5, 0.0), (1.5, 2.0)], None),
+        &Pose2::identity(),
+        MERGE_M,
+    );
     let mut robot = Unicycle::guarded(Pose2::identity());
     for step in 0..300 {
         if robot.pose.translation.x < 1.4 {
@@ -423,7 +429,7 @@ fn a_turn_away_is_followed_by_the_same_straight_piece_unless_the_path_is_another
         let motion = control.steer(Time::ZERO, &start, Twist::ZERO, ARRIVAL_M);
         assert!(matches!(motion, Motion::Turn(rate) if rate > 0.0));
         if other_path {
-            control.follow(Time::ZERO, &through(&[(0.0, 0.0), (0.0, -4.0)], None), &start);
+            control.follow(Time::ZERO, &through(&[(0.0, 0.0), (0.0, -4.0)], None), &start, MERGE_M);
             let motion = control.steer(Time::ZERO, &away, Twist::ZERO, ARRIVAL_M);
             assert!(matches!(motion, Motion::Turn(rate) if rate < 0.0));
         } else {
