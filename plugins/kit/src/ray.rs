@@ -148,7 +148,18 @@ impl RayGrid {
     ) {
         assert_eq!(directions.len(), distances.len(), "one distance per direction");
         let turn = heading_rad.sin_cos();
-        simd::widest(Fan { grid: self, origin, turn, directions, max_range, distances });
+        if self.contains(origin) && (turn.0 + turn.1).is_finite() {
+            simd::widest(Fan { grid: self, origin, turn, directions, max_range, distances });
+            return;
+        }
+        for (distance, direction) in distances.iter_mut().zip(directions) {
+            *distance = self.cast(&Ray::turned(origin, turn, *direction), max_range);
+        }
+    }
+
+    #[inline(always)]
+    fn contains(&self, [x, y]: [f64; 2]) -> bool {
+        x >= 0.0 && x < self.size.width as f64 && y >= 0.0 && y < self.size.height as f64
     }
 
     #[inline(always)]
@@ -162,11 +173,10 @@ impl RayGrid {
         if !ray.is_finite() {
             return None;
         }
-        let (width, height) = (self.size.width as f64, self.size.height as f64);
-        let inside = ray.x >= 0.0 && ray.x < width && ray.y >= 0.0 && ray.y < height;
-        if inside {
+        if self.contains([ray.x, ray.y]) {
             return Some(Walk::new(ray, 0.0, self.size));
         }
+        let (width, height) = (self.size.width as f64, self.size.height as f64);
         let (enter_x, leave_x) = slab(ray.x, ray.dir_x, width);
         let (enter_y, leave_y) = slab(ray.y, ray.dir_y, height);
         let enter = enter_x.max(enter_y).max(0.0);
@@ -222,9 +232,14 @@ impl Axis {
         // Truncation is floor here: the origin is not negative but for rounding at the border.
         let cell = (origin as i32).clamp(0, n_cells as i32 - 1);
         let (step, first_edge) = if direction >= 0.0 { (1, 1) } else { (-1, 0) };
-        // An axis along which the ray does not move has its next edge above the origin, infinitely far away.
-        let inverse = if direction == 0.0 { f64::INFINITY } else { 1.0 / direction };
-        Self { origin, direction, inverse, cell, step, first_edge }
+        Self { origin, direction, inverse: Self::inverse(direction), cell, step, first_edge }
+    }
+
+    /// Cells of distance along the ray per cell along the axis. An axis along which the ray does not move has its next
+    /// edge above the origin, infinitely far away.
+    #[inline(always)]
+    fn inverse(direction: f64) -> f64 {
+        if direction == 0.0 { f64::INFINITY } else { 1.0 / direction }
     }
 
     /// Distance at which the n-th next edge is crossed.
