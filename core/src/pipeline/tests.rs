@@ -132,6 +132,7 @@ doubles! {
     register_localizer Localizer "dead" Dead { consumes: vec![vec![Kind::Odometry]] };
     register_localizer Localizer "walls" Walls {
         needs_layers: vec![Layer::Lines], consumes: vec![vec![Kind::LaserScan, Kind::RangeRing]] };
+    register_localizer Localizer "scans" Scans { consumes: vec![vec![Kind::LaserScan]] };
     register_slam Slam "both" Both { gives_layers: vec![Layer::Grid] };
     register_planner Planner "way" Way { needs_layers: vec![Layer::Grid] };
     register_avoider Avoider "push" Push { drives: vec![DriveKind::Differential, DriveKind::Omnidirectional] };
@@ -256,6 +257,19 @@ fn a_seat_has_one_owner() {
     assert_eq!(faults("[map_builder]\nplugin = 'grid_map'", overlay), Vec::<String>::new());
     let twice = "[[map_builder]]\nplugin = 'grid_map'\n[[map_builder]]\nplugin = 'grid_map'\nname = 'b'";
     assert!(faults("[map_builder]\nplugin = 'grid_map'", twice)[0].contains("only one may"));
+}
+
+#[test]
+fn the_odometer_is_where_others_get_odometry_from() {
+    let without_wheels = GOOD.replacen("[[sensor]]\nname = 'wheels'\nplugin = 'encoders'", "", 1);
+    assert!(load(&without_wheels, &[]).lines()[0].contains("localizer: needs odometry"));
+    assert_eq!(load(&without_wheels, &["odometer.plugin=scans"]).lines(), Vec::<String>::new());
+}
+
+#[test]
+fn a_stage_whose_section_is_wrong_is_not_built() {
+    let said = faults("size_m = 2", "size_m = -2\nbroken = true");
+    assert_eq!(said, ["p.toml:18:10 planner.size_m: is -2, expected at least 0"]);
 }
 
 #[test]
@@ -398,7 +412,7 @@ fn shapes_of_sections_are_checked() {
         ("name = 'wheels'\n", "", "sensor[1].name: is missing"),
         ("name = 'wheels'", "name = 'front'", "two parts are called \"front\""),
         ("name = 'wheels'", "name = 'planner'", "which is the name of a section"),
-        ("plugin = 'dead'", "", "localizer.plugin: is missing, expected one of dead, walls"),
+        ("plugin = 'dead'", "", "localizer.plugin: is missing, expected one of dead, scans, walls"),
         ("plugin = 'dead'", "plugin = 5", "localizer.plugin: is 5, expected text in quotes"),
         ("plugin = 'dead'", "plugin = 'dead'\nmount = {}", "localizer.mount: means nothing in [localizer]"),
         ("rate_hz = 20", "rate_hz = 20\nevery_s = 0.1", "avoider.every_s: says again what rate_hz says"),
