@@ -24,7 +24,7 @@ impl Time {
 
     /// Seconds as a number, for formulas and people.
     pub fn as_secs(self) -> f64 {
-        self.0 as f64 * 1e-9
+        self.0 as f64 / 1e9
     }
 
     /// The nearest nanosecond to `seconds`; not-a-number becomes zero, infinities saturate.
@@ -39,7 +39,7 @@ impl Span {
 
     /// Seconds as a number.
     pub fn as_secs(self) -> f64 {
-        self.0 as f64 * 1e-9
+        self.0 as f64 / 1e9
     }
 
     /// The nearest nanosecond to `seconds`; not-a-number becomes zero, infinities saturate.

@@ -92,7 +92,7 @@ impl Engine {
                 self.navigator.memory.add(&obstacles, self.map.grid.as_ref());
                 self.navigator.blocked(self.now, position, &mut self.events);
             }
-            None => self.failed = true,
+            None => {}
         }
         Twist::ZERO
     }
@@ -103,7 +103,7 @@ impl Engine {
         let situation = guard::Situation {
             now: self.now,
             odom_from_base: self.track.now_at(self.now),
-            stage_failed: self.failed,
+            stage_failed: self.failing_stage(1).is_some(),
             deadline_missed: self.late > self.control_period,
         };
         let twist = self.guard.limit(wanted, &situation, &mut self.events);

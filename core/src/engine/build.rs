@@ -136,7 +136,7 @@ impl Engine {
             None => None,
         };
         Ok(Engine {
-            guard: Guard::new(pipeline.robot.clone(), &watched(pipeline)),
+            guard: Guard::new(pipeline.robot.clone(), control_period, &watched(pipeline)),
             navigator: Navigator::new(&pipeline.mission),
             orders: Engine::first_orders(pipeline, world.as_ref()),
             pending: Engine::mission_goals(pipeline),
@@ -151,7 +151,6 @@ impl Engine {
             times: Default::default(),
             step: 0,
             n_new: 0,
-            failed: false,
             wanders: pipeline.mission.waypoints.is_empty(),
             needed_layers: if pipeline.slam.is_some() { Vec::new() } else { pipeline.wanted_layers() },
             duration: pipeline.duration_s.map(Span::from_secs),

@@ -16,7 +16,6 @@ use std::sync::Arc;
 struct Watched {
     sensor: SensorId,
     newest: Option<Time>,
-    limit: Span,
 }
 
 /// Limits every command.
@@ -25,6 +24,8 @@ pub struct Guard {
     robot: Arc<Robot>,
     zone: StopZone,
     watched: Vec<Watched>,
+    stale_after: Span,
+    period: Span,
     started: Option<Time>,
     last: Twist,
     last_stamp: Option<Time>,
@@ -48,17 +49,13 @@ impl Guard {
     /// Rounding of a limit is no intervention.
     const TOLERANCE: f64 = 1e-6;
 
-    /// A guard for this robot; `watched` lists the sensors that must stay fresh, with the time between two readings.
-    pub fn new(robot: Arc<Robot>, watched: &[(SensorId, Span)]) -> Guard {
-        let stale = Span::from_secs(robot.guard.stale_after_s);
-        let watched = watched.iter().map(|(sensor, period)| Watched {
-            sensor: *sensor,
-            newest: None,
-            limit: stale.max(Span(period.0.saturating_mul(3))),
-        });
+    /// A guard for this robot that is asked every `period`; the sensors in `watched` must stay fresh.
+    pub fn new(robot: Arc<Robot>, period: Span, watched: &[SensorId]) -> Guard {
         Guard {
             zone: StopZone::new(&robot),
-            watched: watched.collect(),
+            watched: watched.iter().map(|sensor| Watched { sensor: *sensor, newest: None }).collect(),
+            stale_after: Span::from_secs(robot.guard.stale_after_s),
+            period,
             robot,
             started: None,
             last: Twist::ZERO,
@@ -135,7 +132,7 @@ impl Guard {
     }
 
     fn is_stale(&self, now: Time) -> bool {
-        self.watched.iter().any(|w| now - w.newest.or(self.started).unwrap_or(now) > w.limit)
+        self.watched.iter().any(|w| now - w.newest.or(self.started).unwrap_or(now) > self.stale_after)
     }
 
     /// The whole twist scaled down, so that the curvature stays.
@@ -148,33 +145,39 @@ impl Guard {
 
     /// As much of the change as the accelerations allow; braking may use the brakes.
     fn smooth(&self, wanted: Twist, now: Time) -> Twist {
-        let Some(last_stamp) = self.last_stamp else {
-            // The first command starts from standstill, one control period of acceleration is not known yet.
-            return if wanted == Twist::ZERO { wanted } else { self.part(wanted, 0.05) };
-        };
-        self.part(wanted, (now - last_stamp).as_secs().max(0.0))
-    }
-
-    fn part(&self, wanted: Twist, seconds: f64) -> Twist {
+        let seconds = self.last_stamp.map_or(self.period, |last| now - last).as_secs().max(0.0);
+        if wanted == Twist::ZERO {
+            return self.braked(seconds);
+        }
         let slows = wanted.speed_m_s() < self.last.speed_m_s();
-        let accel = if slows {
-            self.robot.braking_m_s2.max(self.robot.max_accel_m_s2)
-        } else {
-            self.robot.max_accel_m_s2
-        };
-        let change = (wanted.forward_m_s - self.last.forward_m_s).hypot(wanted.left_m_s - self.last.left_m_s);
+        let brakes_m_s2 = self.robot.braking_m_s2.max(self.robot.max_accel_m_s2);
+        let accel_m_s2 = if slows { brakes_m_s2 } else { self.robot.max_accel_m_s2 };
+        let (forward, left) =
+            (wanted.forward_m_s - self.last.forward_m_s, wanted.left_m_s - self.last.left_m_s);
         let turn_change = (wanted.turn_rad_s - self.last.turn_rad_s).abs();
-        let by_speed = accel * seconds / change.max(1e-12);
+        let by_speed = accel_m_s2 * seconds / forward.hypot(left).max(1e-12);
         let by_turn = self.robot.max_turn_accel_rad_s2() * seconds / turn_change.max(1e-12);
         let part = by_speed.min(by_turn);
         if part >= 1.0 {
             return wanted;
         }
-        let mix = |from: f64, to: f64| from + (to - from) * part;
         Twist {
-            forward_m_s: mix(self.last.forward_m_s, wanted.forward_m_s),
-            left_m_s: mix(self.last.left_m_s, wanted.left_m_s),
-            turn_rad_s: mix(self.last.turn_rad_s, wanted.turn_rad_s),
+            forward_m_s: self.last.forward_m_s + forward * part,
+            left_m_s: self.last.left_m_s + left * part,
+            turn_rad_s: self.last.turn_rad_s + (wanted.turn_rad_s - self.last.turn_rad_s) * part,
+        }
+    }
+
+    /// A stop, as hard as the brakes are: a slow turn must not delay it.
+    fn braked(&self, seconds: f64) -> Twist {
+        let brakes_m_s2 = self.robot.braking_m_s2.max(self.robot.max_accel_m_s2);
+        let left = |speed: f64, slowing: f64| (1.0 - slowing * seconds / speed.abs().max(1e-12)).max(0.0);
+        let straight = left(self.last.speed_m_s(), brakes_m_s2);
+        let turn = left(self.last.turn_rad_s, self.robot.max_turn_accel_rad_s2());
+        Twist {
+            forward_m_s: self.last.forward_m_s * straight,
+            left_m_s: self.last.left_m_s * straight,
+            turn_rad_s: self.last.turn_rad_s * turn,
         }
     }
 }

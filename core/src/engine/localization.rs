@@ -4,8 +4,8 @@ use super::events::Event;
 use super::ring::{Filter, Ring};
 use super::seat::Seat;
 use crate::map::Map;
-use crate::messages::{Check, Estimate, Prior, Seen, Status};
-use crate::stages::{Cx, Localizer, Slam};
+use crate::messages::{Check, Estimate, Prior, Seen, Status, Wish};
+use crate::stages::{Cx, LocalizeError, Localizer, Slam};
 use crate::time::Time;
 
 /// Who finds the robot.
@@ -68,10 +68,11 @@ impl Localization {
         seat.settle(result, ring.cursor(), now, events).is_some()
     }
 
-    /// One update of the seat whose turn it is. Returns whether there is a new estimate.
+    /// One update of the seat whose turn it is; a wish for motion is a failure where nothing drives. Returns whether there is a new estimate.
     pub fn update(
         &mut self,
         searching: bool,
+        not_actuated: bool,
         cx: &mut Cx<'_>,
         ring: &mut Ring,
         map: &mut Map,
@@ -83,7 +84,7 @@ impl Localization {
             let read = ring.cursor();
             let seen = ring.seen(seat.cursor, Filter::Public);
             let checked = |estimate: Estimate| match estimate.check() {
-                Ok(()) => Ok(estimate),
+                Ok(()) => movable(estimate, not_actuated),
                 Err(fault) => Err(fault.to_string()),
             };
             let result = seat.stage.update(cx, seen, map).map_err(|e| e.to_string()).and_then(checked);
@@ -94,6 +95,7 @@ impl Localization {
         let read = ring.cursor();
         let seen = ring.seen(self.finder.cursor, Filter::Public);
         let result = self.finder.stage.update(cx, seen, map);
+        let result = result.and_then(|estimate| movable(estimate, searching && not_actuated));
         let Some(estimate) = self.finder.settle(result, read, now, events) else { return false };
         self.estimate = estimate;
         true
@@ -123,9 +125,21 @@ impl Localization {
         true
     }
 
-    /// A seat has failed too often: its name.
-    pub fn broken(&self) -> Option<&str> {
-        let second = self.relocalizer.as_ref().filter(|seat| seat.is_broken()).map(|seat| seat.name.as_str());
-        if self.finder.is_broken() { Some(&self.finder.name) } else { second }
+    /// The seat whose turn it is has failed so often in a row: its name and last error.
+    pub fn failed(&self, searching: bool, at_least: u32) -> Option<(&str, &str)> {
+        match &self.relocalizer {
+            Some(seat) if searching => seat.failed(at_least),
+            _ => self.finder.failed(at_least),
+        }
+    }
+}
+
+/// An estimate whose wish can be carried out.
+fn movable(estimate: Estimate, not_actuated: bool) -> Result<Estimate, String> {
+    match &estimate.wish {
+        Some(wish @ (Wish::TurnBy(_) | Wish::MoveBy(_))) if not_actuated => {
+            Err(LocalizeError::NeedsMotion { wish: format!("{wish:?}") }.to_string())
+        }
+        _ => Ok(estimate),
     }
 }

@@ -140,7 +140,7 @@ impl Metrics {
 
 impl Observer for Metrics {
     fn on_step(&mut self, view: &StepView<'_>) {
-        self.time_s = view.now.as_secs();
+        self.time_s = (view.now - view.started).as_secs();
         self.steps = view.step + 1;
         self.times = *view.times;
         self.follow(view);

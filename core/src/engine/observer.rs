@@ -21,6 +21,8 @@ pub trait Observer {
 pub struct StepView<'a> {
     /// The time it is.
     pub now: Time,
+    /// When the run began.
+    pub started: Time,
     /// How many steps there were before this one.
     pub step: u64,
     /// State of the mission's automaton.

@@ -76,7 +76,10 @@ impl Engine {
             return self.events.push(Event { stamp: self.now, kind });
         }
         match order {
-            Order::GoTo(goals) => self.navigator.go(self.now, goals, &mut self.events),
+            Order::GoTo(goals) => {
+                self.has_mission = true;
+                self.navigator.go(self.now, goals, &mut self.events);
+            }
             Order::SetPose { map_from_base, covariance } => {
                 let prior = Prior::Pose { map_from_base, odom_from_base: self.track.now(), covariance };
                 let (map, ring) = (&mut self.map, &self.ring);
@@ -104,7 +107,6 @@ impl Engine {
     }
 
     fn settle_search(&mut self, started: bool, to: State) {
-        self.failed |= !started;
         self.wish.clear();
         let to = if started { to } else { State::Lost };
         self.navigator.enter(self.now, to, &mut self.events);

@@ -105,7 +105,10 @@ impl Planning {
         self.grid = with_obstacles(at.map, nav);
         let seat = if by_fallback { &mut self.fallback } else { &mut self.main };
         let Some(seat) = seat else { return self.straight(nav, at, events) };
-        let Some(mut planner) = seat.planner.take() else { return };
+        let Some(mut planner) = seat.planner.take() else {
+            let gone = "the planner panicked before and is gone".to_owned();
+            return nav.end(at.now, Outcome::PlannerFailed(gone), events);
+        };
         let mut request = PlanRequest {
             stamp: at.now,
             map: at.map.clone(),

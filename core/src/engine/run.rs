@@ -2,6 +2,8 @@
 
 use super::navigator::Outcome;
 use super::observer::Observer;
+use super::order::State;
+use super::seat::MOST_FAILURES;
 use super::step::{Engine, Stepped};
 use super::watchdog::Watchdog;
 use crate::frames::Twist;
@@ -109,11 +111,9 @@ impl Engine {
 
     /// The run is over, and this is why.
     fn end(&mut self) -> Option<RunEnd> {
-        if let Some(stage) = self.broken_stage() {
-            return Some(RunEnd::new(
-                EndReason::StageFailed,
-                Some(format!("`{stage}` failed again and again")),
-            ));
+        if let Some((stage, error)) = self.failing_stage(MOST_FAILURES) {
+            let detail = format!("`{stage}` failed again and again: {error}");
+            return Some(RunEnd::new(EndReason::StageFailed, Some(detail)));
         }
         let since_start = self.now - self.started;
         if self.has_mission {
@@ -129,12 +129,15 @@ impl Engine {
         (since_start >= limit).then(|| RunEnd::new(EndReason::Finished, None))
     }
 
-    fn broken_stage(&self) -> Option<String> {
-        let sensors = self.sensors.iter().find(|s| s.seat.is_broken()).map(|s| s.seat.name.as_str());
-        let builders = self.builders.iter().find(|seat| seat.is_broken()).map(|seat| seat.name.as_str());
-        let odometer = self.odometer.as_ref().filter(|seat| seat.is_broken()).map(|seat| seat.name.as_str());
-        let avoider = self.avoider.as_ref().filter(|seat| seat.is_broken()).map(|seat| seat.name.as_str());
-        sensors.or(builders).or(odometer).or(self.localization.broken()).or(avoider).map(str::to_owned)
+    /// A stage that has failed so often in a row: its name and what it said last.
+    pub(super) fn failing_stage(&self, at_least: u32) -> Option<(&str, &str)> {
+        let searching = self.navigator.state == State::Localizing;
+        let sensor = self.sensors.iter().find_map(|sensor| sensor.seat.failed(at_least));
+        let odometer = self.odometer.as_ref().and_then(|seat| seat.failed(at_least));
+        let localizer = self.localization.failed(searching, at_least);
+        let avoider = self.avoider.as_ref().and_then(|seat| seat.failed(at_least));
+        let builder = self.builders.iter().find_map(|seat| seat.failed(at_least));
+        sensor.or(odometer).or(localizer).or(avoider).or(builder)
     }
 
     /// Stops the wheels and tells slow work to end; stages, sensors and world go in this order when the engine is

@@ -18,12 +18,14 @@ pub(super) struct Seat<T> {
     pub task: Option<TaskId>,
     /// Failures in a row.
     pub failures: u32,
+    /// What the last failure said.
+    pub last_error: String,
 }
 
-impl<T> Seat<T> {
-    /// Failures in a row that end a run.
-    pub const MOST_FAILURES: u32 = 50;
+/// Failures in a row that end a run.
+pub(super) const MOST_FAILURES: u32 = 50;
 
+impl<T> Seat<T> {
     /// This stage runs in this step.
     pub fn is_due(&self, schedule: &mut Schedule, ring: &Ring, now: Time) -> bool {
         match self.task {
@@ -66,11 +68,12 @@ impl<T> Seat<T> {
     pub fn fail(&mut self, error: &impl fmt::Display, now: Time, events: &mut Vec<Event>) {
         self.failures += 1;
         let (stage, error) = (self.name.clone(), error.to_string());
+        self.last_error.clone_from(&error);
         events.push(Event { stamp: now, kind: EventKind::StageFailed { stage, error } });
     }
 
-    /// It has failed too often to go on.
-    pub fn is_broken(&self) -> bool {
-        self.failures >= Self::MOST_FAILURES
+    /// Its name and last error, if it has failed so often in a row.
+    pub fn failed(&self, at_least: u32) -> Option<(&str, &str)> {
+        (self.failures >= at_least).then_some((self.name.as_str(), self.last_error.as_str()))
     }
 }

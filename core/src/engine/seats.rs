@@ -12,7 +12,7 @@ use crate::map::Map;
 use crate::messages::{Estimate, ObservationKind, Prior, SensorId};
 use crate::pipeline::{Pipeline, Rate, StageSpec};
 use crate::stages::{BuildError, Localizer};
-use crate::time::{Span, Time};
+use crate::time::Time;
 
 /// Rate of a sensor when neither the pipeline nor its plugin says.
 const SENSOR: Rate = Rate::Hz(10.0);
@@ -35,6 +35,7 @@ pub(super) fn sensors(
                 cursor: Default::default(),
                 task: task(rate, schedule),
                 failures: 0,
+                last_error: String::new(),
             },
             inputs: spec.inputs.iter().map(|idx| SensorId(*idx as u16)).collect(),
         });
@@ -94,23 +95,29 @@ pub(super) fn planning(builder: &Builder<'_>) -> Result<Planning, EngineError> {
 }
 
 pub(super) fn seat<T>(stage: T, spec: &StageSpec, task: Option<TaskId>, ring: &Ring) -> Seat<T> {
-    Seat { name: spec.name.clone(), stage, cursor: ring.cursor(), task, failures: 0 }
+    Seat {
+        name: spec.name.clone(),
+        stage,
+        cursor: ring.cursor(),
+        task,
+        failures: 0,
+        last_error: String::new(),
+    }
 }
 
 pub(super) fn task(rate: Option<Rate>, schedule: &mut Schedule) -> Option<TaskId> {
     rate.map(|rate| schedule.add(rate))
 }
 
-/// Sensors whose age the guard watches: all that see obstacles.
-pub(super) fn watched(pipeline: &Pipeline) -> Vec<(SensorId, Span)> {
-    let sees = [ObservationKind::LaserScan, ObservationKind::RangeRing];
-    let mut watched = Vec::new();
-    for (idx, spec) in pipeline.sensors.iter().enumerate() {
-        let manifest = spec.stage.manifest();
-        if manifest.produces.iter().any(|kind| sees.contains(kind)) {
-            let rate = spec.stage.rate.or(manifest.default_rate_hz.map(Rate::Hz)).unwrap_or(SENSOR);
-            watched.push((SensorId(idx as u16), rate.period()));
-        }
+/// Sources whose age the guard watches: all that see obstacles, and the one that says how the robot moves.
+pub(super) fn watched(pipeline: &Pipeline) -> Vec<SensorId> {
+    let mut kinds = vec![ObservationKind::LaserScan, ObservationKind::RangeRing];
+    if pipeline.odometer.is_none() {
+        kinds.push(ObservationKind::Odometry);
     }
-    watched
+    let sensors = pipeline.sensors.iter().enumerate();
+    let watched =
+        sensors.filter(|(_, spec)| spec.stage.manifest().produces.iter().any(|kind| kinds.contains(kind)));
+    let odometer = pipeline.odometer.as_ref().map(|_| SensorId::ODOMETER);
+    watched.map(|(idx, _)| SensorId(idx as u16)).chain(odometer).collect()
 }

@@ -33,13 +33,14 @@ impl Engine {
             let result = if inputs.is_empty() {
                 seat.stage.poll(&mut cx, self.world.as_mut(), &mut self.out)
             } else {
+                seat.report_loss(&self.ring, self.now, &mut self.events);
                 let seen = self.ring.seen(seat.cursor, Filter::Of(inputs));
                 if seen.is_empty() { Ok(()) } else { seat.stage.derive(&mut cx, seen, &mut self.out) }
             };
             let kept = self.collect();
             let result = result.map_err(|e| e.to_string()).and(kept.map_err(|e| e.to_string()));
             let seat = &mut self.sensors[idx].seat;
-            self.failed |= seat.settle(result, read, self.now, &mut self.events).is_none();
+            seat.settle(result, read, self.now, &mut self.events);
         }
         self.times.add(Part::Sensors, clock);
     }
@@ -65,17 +66,15 @@ impl Engine {
         if let Some(seat) = &mut self.odometer
             && seat.is_due(&mut self.schedule, &self.ring, self.now)
         {
+            seat.report_loss(&self.ring, self.now, &mut self.events);
             let (mut cx, read) = (Cx { now: self.now, trace: &self.trace }, self.ring.cursor());
             let seen = self.ring.seen(seat.cursor, Filter::Raw);
             let result = seat.stage.update(&mut cx, seen, &self.map).map_err(|e| e.to_string());
             let checked = result.and_then(|e| e.check().map(|()| e).map_err(|fault| fault.to_string()));
-            match seat.settle(checked, read, self.now, &mut self.events) {
-                Some(estimate) => {
-                    let observation = odometry_of(&estimate.pose2(), estimate.stamp, &self.track);
-                    self.ring.push(observation, &mut self.out);
-                    self.n_new += 1;
-                }
-                None => self.failed = true,
+            if let Some(estimate) = seat.settle(checked, read, self.now, &mut self.events) {
+                let observation = odometry_of(&estimate.pose2(), estimate.stamp, &self.track);
+                self.ring.push(observation, &mut self.out);
+                self.n_new += 1;
             }
         }
         let from_odometer = self.odometer.is_some();

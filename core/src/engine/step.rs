@@ -14,7 +14,7 @@ use super::sense::SensorSeat;
 use super::timing::{Part, StageTimes};
 use super::wish::WishMotion;
 use crate::map::{Layer, Map};
-use crate::messages::{Command, Goal, Observations, Status, Wish};
+use crate::messages::{Command, Goal, Observations, Status};
 use crate::robot::Robot;
 use crate::stages::{Advance, Avoider, Cx, GiveUp, Localizer, MapBuilder, MapInput, World, WorldError};
 use crate::time::{Span, Time};
@@ -53,7 +53,6 @@ pub struct Engine {
     pub(super) wish: WishMotion,
     pub(super) status: Status,
     pub(super) estimate_is_new: bool,
-    pub(super) failed: bool,
     pub(super) not_actuated: bool,
     pub(super) command: Command,
     pub(super) events: Vec<Event>,
@@ -88,7 +87,6 @@ impl Engine {
     /// A scan enters the map only after the localizer has used the map, else it would be matched against itself.
     pub fn step(&mut self) -> Stepped {
         self.events.clear();
-        self.failed = false;
         match self.advance() {
             Ok(Advance::Reached(now)) => self.now = now,
             Ok(Advance::Ended) => return Stepped::Ended,
@@ -143,8 +141,8 @@ impl Engine {
         if active && due {
             let mut cx = Cx { now: self.now, trace: &self.trace };
             let (ring, map) = (&mut self.ring, &mut self.map);
-            self.estimate_is_new = self.localization.update(searching, &mut cx, ring, map, &mut self.events);
-            self.failed |= !self.estimate_is_new;
+            self.estimate_is_new =
+                self.localization.update(searching, self.not_actuated, &mut cx, ring, map, &mut self.events);
         }
         if self.estimate_is_new {
             self.heed_estimate();
@@ -160,11 +158,6 @@ impl Engine {
         }
         if self.navigator.state == State::Localizing {
             self.wish.take(estimate.wish);
-            if self.not_actuated && matches!(estimate.wish, Some(Wish::TurnBy(_) | Wish::MoveBy(_))) {
-                let error =
-                    crate::stages::LocalizeError::NeedsMotion { wish: format!("{:?}", estimate.wish) };
-                self.localization.finder.fail(&error, self.now, &mut self.events);
-            }
         }
         let goals = self.navigator.on_status(self.now, self.status, &mut self.events);
         if !goals.is_empty() {
@@ -186,7 +179,7 @@ impl Engine {
             let input = MapInput { seen, estimate: &self.localization.estimate };
             let mut cx = Cx { now: self.now, trace: &self.trace };
             let result = seat.stage.insert(&mut cx, &input, &mut self.map);
-            self.failed |= seat.settle(result, read, self.now, &mut self.events).is_none();
+            seat.settle(result, read, self.now, &mut self.events);
         }
         self.times.add(Part::MapBuilders, clock);
     }

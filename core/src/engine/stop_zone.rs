@@ -28,8 +28,8 @@ impl StopZone {
     const STEP_M: f64 = 0.02;
     /// A point that comes nearer by less than this does not count as closing, meters.
     const CLOSING_M: f64 = 1e-4;
-    /// Room for points of one sensor.
-    const ROOM: usize = 2048;
+    /// Room for points that is taken up front; more is taken as it is needed, once.
+    const ROOM: usize = 1024;
 
     /// Nothing seen yet.
     pub fn new(robot: &Robot) -> StopZone {
@@ -54,7 +54,7 @@ impl StopZone {
         odom_points.clear();
         let mut keep = |in_sensor: Point2| {
             let in_base = base_from_sensor * in_sensor;
-            if in_base.coords.norm() <= reach_m && odom_points.len() < Self::ROOM {
+            if in_base.coords.norm() <= reach_m {
                 odom_points.push(odom_from_base * in_base);
             }
         };
@@ -98,9 +98,7 @@ impl StopZone {
         let base_from_odom = odom_from_base.inverse();
         self.base_points.clear();
         for point in self.near.iter().flat_map(|near| &near.odom_points) {
-            if self.base_points.len() < self.base_points.capacity() {
-                self.base_points.push(base_from_odom * point);
-            }
+            self.base_points.push(base_from_odom * point);
         }
         // Speed of the fastest point of the hull: what brakes have to stop.
         let hull_m_s = twist.speed_m_s() + twist.turn_rad_s.abs() * self.swing_m(twist);

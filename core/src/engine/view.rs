@@ -56,6 +56,7 @@ impl Engine {
         let map_from_base = self.map_from_base();
         StepView {
             now: self.now,
+            started: self.started,
             step: self.step.saturating_sub(1),
             state: self.navigator.state,
             observations: self.ring.newest(self.n_new),

@@ -5,6 +5,7 @@ use crate::messages::{Data, LaserScan};
 use crate::robot::Drive;
 
 const LASER: SensorId = SensorId(0);
+const PERIOD: Span = Span(100_000_000);
 
 /// One beam that hits at (bearing, range).
 fn hit(stamp_s: f64, bearing_rad: f64, range_m: f32) -> Observation {
@@ -35,7 +36,7 @@ fn situation(now_s: f64) -> Situation {
 
 /// A guard in the middle of a drive at this twist.
 fn driving(robot: Robot, twist: Twist) -> (Guard, Vec<Event>) {
-    let (mut guard, mut events) = (Guard::new(Arc::new(robot), &[]), Vec::new());
+    let (mut guard, mut events) = (Guard::new(Arc::new(robot), PERIOD, &[]), Vec::new());
     for k in 0..100 {
         guard.limit(twist, &situation(k as f64 * 0.1), &mut events);
     }
@@ -69,7 +70,7 @@ fn too_fast_a_twist_is_scaled_whole_so_that_the_curve_stays() {
 #[test]
 fn a_change_of_speed_takes_the_time_that_the_limits_say() {
     let robot = Robot { max_accel_m_s2: 0.2, ..Robot::default() };
-    let (mut guard, mut events) = (Guard::new(Arc::new(robot), &[]), Vec::new());
+    let (mut guard, mut events) = (Guard::new(Arc::new(robot), PERIOD, &[]), Vec::new());
     guard.limit(Twist::ZERO, &situation(0.0), &mut events);
     let at = |guard: &mut Guard, t: f64, events: &mut Vec<Event>| {
         guard.limit(Twist::new(0.5, 0.0), &situation(t), events).forward_m_s
@@ -135,7 +136,7 @@ fn a_turning_corner_of_a_long_hull_is_watched() {
 #[test]
 fn an_old_scan_and_a_failed_stage_stop_the_robot() {
     let robot = Arc::new(Robot::default());
-    let (mut guard, mut events) = (Guard::new(robot, &[(LASER, Span::from_secs(0.1))]), Vec::new());
+    let (mut guard, mut events) = (Guard::new(robot, PERIOD, &[LASER]), Vec::new());
     for k in 0..10 {
         guard.see(&hit(k as f64, 0.0, 7.0), &Pose2::identity());
         guard.limit(Twist::new(0.1, 0.0), &situation(k as f64), &mut events);
@@ -160,4 +161,38 @@ fn a_tricycle_is_never_told_to_turn_in_place() {
     let twist = guard.limit(Twist::new(0.0, 0.5), &situation(20.0), &mut events);
     assert_eq!(twist, Twist::ZERO);
     assert_eq!(kinds(&events), [Intervention::Infeasible]);
+}
+
+#[test]
+fn a_turn_that_fades_slowly_does_not_delay_the_brakes() {
+    let robot = Robot { max_turn_accel_deg_s2: 1.0, ..Robot::default() };
+    let (mut guard, mut events) = (Guard::new(Arc::new(robot), PERIOD, &[]), Vec::new());
+    for k in 0..600 {
+        guard.limit(Twist::new(0.4, 0.5), &situation(k as f64 * 0.1), &mut events);
+    }
+    let stopped = (0..9)
+        .map(|k| guard.limit(Twist::ZERO, &situation(60.0 + k as f64 * 0.1), &mut events))
+        .last()
+        .unwrap();
+    assert_eq!(stopped.forward_m_s, 0.0, "0.4 m/s takes 0.8 s at 0.5 m/s2");
+    assert!(stopped.turn_rad_s > 0.3);
+}
+
+#[test]
+fn what_only_the_last_of_many_dense_scanners_sees_stops_the_robot_too() {
+    let (mut guard, mut events) = driving(Robot::default(), Twist::new(0.3, 0.0));
+    let dense = |sensor: u16, range_m: f32, n: usize| {
+        let scan = LaserScan {
+            first_bearing_rad: 2.0,
+            bearing_step_rad: 1e-5,
+            max_range_m: 8.0,
+            ranges_m: Buffer::filled(n, range_m),
+            ..LaserScan::default()
+        };
+        Observation { sensor: SensorId(sensor), data: Data::LaserScan(scan), ..hit(20.0, 0.0, 1.0) }
+    };
+    guard.see(&dense(1, 0.4, 20_000), &Pose2::identity());
+    guard.see(&dense(2, 0.4, 20_000), &Pose2::identity());
+    guard.see(&Observation { sensor: SensorId(3), ..hit(20.0, 0.0, 0.22) }, &Pose2::identity());
+    assert_eq!(guard.limit(Twist::new(0.3, 0.0), &situation(20.0), &mut events), Twist::ZERO);
 }
