@@ -81,9 +81,13 @@ pub fn draw_mapped(scene: &WorldScene, map: &mut MapImage) {
         let center = to_cells(solid.center);
         let half = solid.size.map(|edge| edge / 2.0 / map.resolution_m);
         let reach = half[0].hypot(half[1]);
-        let range = |middle: f64| (middle - reach).floor() as i64..=(middle + reach).floor() as i64;
+        let range = |middle: f64, n: usize| {
+            ((middle - reach).floor() as i64).max(0)..=((middle + reach).floor() as i64).min(n as i64 - 1)
+        };
         let (sin, cos) = (solid.yaw_rad - yaw).sin_cos();
-        for (row, col) in range(center[1]).flat_map(|row| range(center[0]).map(move |col| (row, col))) {
+        for (row, col) in
+            range(center[1], height).flat_map(|row| range(center[0], width).map(move |col| (row, col)))
+        {
             let (x, y) = (col as f64 + 0.5 - center[0], row as f64 + 0.5 - center[1]);
             if (cos * x + sin * y).abs() <= half[0] && (cos * y - sin * x).abs() <= half[1] {
                 fill(col, row);

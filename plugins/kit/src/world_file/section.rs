@@ -204,10 +204,15 @@ impl<'a, 'i, 't> Section<'a, 'i, 't> {
     }
 }
 
+/// No place of a world lies farther from its origin along an axis, meters.
+const FARTHEST_M: f64 = 10_000.0;
+
 fn numbers_of<const N: usize>(value: &DeValue<'_>) -> Option<[f64; N]> {
     let list = value.as_array()?;
-    let numbers: Option<Vec<f64>> =
-        list.iter().map(|item| as_number(item.get_ref()).filter(|number| number.is_finite())).collect();
+    let numbers: Option<Vec<f64>> = list
+        .iter()
+        .map(|item| as_number(item.get_ref()).filter(|number| number.abs() <= FARTHEST_M))
+        .collect();
     numbers?.try_into().ok()
 }
 
@@ -231,6 +236,11 @@ fn described(value: &DeValue<'_>) -> String {
             if list.iter().any(|item| as_number(item.get_ref()).is_some_and(|n| !n.is_finite())) =>
         {
             "a list with a number that is not finite".to_string()
+        }
+        DeValue::Array(list)
+            if list.iter().any(|item| as_number(item.get_ref()).is_some_and(|n| n.abs() > FARTHEST_M)) =>
+        {
+            format!("a list with a number beyond {FARTHEST_M}")
         }
         DeValue::Array(list) => format!("a list of {}", list.len()),
         other => format!("a {}", other.type_str()),

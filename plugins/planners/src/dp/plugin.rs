@@ -75,7 +75,9 @@ impl Dp {
             DpFault::Unreachable(obstruction) => {
                 let reason = obstruction.map_or_else(
                     || "the goal lies apart from the start".to_owned(),
-                    |obstruction| describe(&obstruction, grid, needed_m),
+                    |obstruction| {
+                        describe(&obstruction, grid, needed_m, request.robot.hull().outer_radius_m())
+                    },
                 );
                 PlanError::Unreachable { reason }
             }
@@ -84,14 +86,19 @@ impl Dp {
 }
 
 /// What is in the way, and the smallest change that opens it.
-fn describe(obstruction: &Obstruction, grid: &PlanGrid<'_>, needed_m: f64) -> String {
+fn describe(obstruction: &Obstruction, grid: &PlanGrid<'_>, needed_m: f64, hull_radius_m: f64) -> String {
     match obstruction {
         Obstruction::Narrow { cell, distance } => {
             let at = grid.middle_of(*cell);
             let found_m = distance * grid.resolution_m();
+            let way_out = if found_m > hull_radius_m {
+                format!("widen it, or set minimum_clearance_m to at most {found_m:.2}")
+            } else {
+                format!("too narrow for the robot, whose radius is {hull_radius_m:.2} m: open it")
+            };
             format!(
                 "the narrowest passage, at ({:.2}, {:.2}) m, leaves {found_m:.2} m to the nearest obstacle where \
-                 {needed_m:.2} m are kept; widen it, or set minimum_clearance_m to at most {found_m:.2}",
+                 {needed_m:.2} m are kept; {way_out}",
                 at.x, at.y
             )
         }

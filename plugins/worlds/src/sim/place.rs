@@ -50,9 +50,19 @@ struct Members {
 const MOST_CELLS: f64 = 400.0;
 const FINEST_CELL_M: f64 = 0.05;
 
-impl Place {
-    /// Prepares a scene with its background map, if it has one.
-    pub fn new(scene: &WorldScene, map: Option<&MapImage>) -> Self {
+/// How large a lattice must be to hold a scene and its map.
+pub struct Extent {
+    /// Edge of a cell.
+    resolution_m: f64,
+    /// Cells left of and below the map's first one.
+    before: [f64; 2],
+    /// Cells along both axes.
+    n_cells: [f64; 2],
+}
+
+impl Extent {
+    /// Of a scene with its background map, if it has one.
+    pub fn of(scene: &WorldScene, map: Option<&MapImage>) -> Extent {
         let map_from_lattice =
             map.map_or(Pose2::identity(), |map| pose2(map.origin[0], map.origin[1], map.origin[2]));
         let in_lattice = footprints(scene, &map_from_lattice.inverse());
@@ -80,8 +90,23 @@ impl Place {
         // The map's own cells stay where they are; without a map a cell of air surrounds everything.
         let air = if map.is_some() { 0.0 } else { 1.0 };
         let before = low.map(|low| air - (low / resolution_m).floor());
-        let size =
-            [0, 1].map(|axis| ((high[axis] / resolution_m - 1e-9).ceil() + before[axis] + air) as usize);
+        let n_cells = [0, 1].map(|axis| (high[axis] / resolution_m - 1e-9).ceil() + before[axis] + air);
+        Extent { resolution_m, before, n_cells }
+    }
+
+    /// Cells of the whole lattice; more than fit into memory where things lie far apart.
+    pub fn area(&self) -> f64 {
+        self.n_cells[0] * self.n_cells[1]
+    }
+}
+
+impl Place {
+    /// Prepares a scene with its background map, if it has one.
+    pub fn new(scene: &WorldScene, map: Option<&MapImage>) -> Self {
+        let map_from_lattice =
+            map.map_or(Pose2::identity(), |map| pose2(map.origin[0], map.origin[1], map.origin[2]));
+        let Extent { resolution_m, before, n_cells } = Extent::of(scene, map);
+        let size = n_cells.map(|n| n as usize);
         let shift = pose2(-before[0] * resolution_m, -before[1] * resolution_m, 0.0);
         let lattice_from_map = (map_from_lattice * shift).inverse();
         let mut place = Self {

@@ -14,7 +14,7 @@ use rumbo_kit::world_file::{WorldScene, load_world};
 
 use super::beams::{Fan, Ring};
 use super::params::{SimParams, Start};
-use super::place::Place;
+use super::place::{Extent, Place};
 use super::simulation::Simulation;
 
 rumbo_core::register_world!(
@@ -52,6 +52,13 @@ impl Plugin<dyn World> for SimParams {
             .as_ref()
             .map(|map| load_map(map, self.max_cells).map_err(|error| at_map(&error)))
             .transpose()?;
+        let area = Extent::of(&scene, image.as_ref()).area();
+        if area > self.max_cells as f64 {
+            let most = self.max_cells;
+            let message = format!("the world spans {area:.0} cells of its map, expected at most {most}");
+            let help = "move what lies far from the map, or raise max_cells";
+            return Err(BuildError::at("map", message).help(help));
+        }
         let place = Place::new(&scene, image.as_ref());
         let Start { x_m, y_m, yaw_deg } = self.start;
         let start = pose2(x_m, y_m, yaw_deg.to_radians());
