@@ -2,7 +2,7 @@
 //!
 //! This module knows TOML, not robots: [`Document::load`] reads a file with its includes and `--set` arguments into a
 //! tree in which every value remembers its place; [`parse_table`] turns a table of that tree into a struct and reports
-//! everything that is wrong with it; [`effective`] prints the tree with the origin of each value.
+//! everything that is wrong with it; [`to_commented_toml`] prints the tree with the origin of each value.
 
 mod effective;
 mod fault;
