@@ -37,12 +37,26 @@ const CONTROL: Rate = Rate::Hz(10.0);
 pub(super) struct Builder<'p> {
     pub(super) pipeline: &'p Pipeline,
     pub(super) world_map: Option<PathBuf>,
+    pub(super) world_recording: Option<PathBuf>,
     pub(super) real_time: bool,
     pub(super) dry_run: bool,
     pub(super) abort: GiveUp,
 }
 
-impl Builder<'_> {
+impl<'p> Builder<'p> {
+    /// Before the world is built.
+    pub(super) fn new(pipeline: &'p Pipeline, dry_run: bool) -> Builder<'p> {
+        let (world_map, world_recording) = (None, None);
+        Builder { pipeline, world_map, world_recording, real_time: false, dry_run, abort: GiveUp::default() }
+    }
+
+    /// Keeps what the other stages may know of the world.
+    pub(super) fn learn(&mut self, world: &dyn World) {
+        self.world_map = world.map_file().map(PathBuf::from);
+        self.world_recording = world.recording_file().map(PathBuf::from);
+        self.real_time = world.is_real_time();
+    }
+
     fn context(&self, spec: &StageSpec, sensor: SensorId, base_from_sensor: Pose3) -> BuildContext {
         BuildContext {
             name: spec.name.clone(),
@@ -53,6 +67,7 @@ impl Builder<'_> {
             seed: self.pipeline.seed,
             folder: self.pipeline.folder.clone(),
             world_map: self.world_map.clone(),
+            world_recording: self.world_recording.clone(),
             wanted_layers: self.pipeline.wanted_layers(),
             dry_run: self.dry_run,
             background: self.background(spec),
@@ -102,11 +117,9 @@ impl Engine {
     }
 
     fn build_as(pipeline: &Pipeline, dry_run: bool) -> Result<Engine, EngineError> {
-        let mut builder =
-            Builder { pipeline, world_map: None, real_time: false, dry_run, abort: GiveUp::default() };
+        let mut builder = Builder::new(pipeline, dry_run);
         let world: Box<dyn World> = builder.stage(&pipeline.world)?;
-        builder.world_map = world.map_file().map(PathBuf::from);
-        builder.real_time = world.is_real_time();
+        builder.learn(world.as_ref());
         Engine::with_world(&builder, world)
     }
 

@@ -7,7 +7,7 @@ use crate::map::Map;
 use crate::messages::SensorId;
 use crate::pipeline::{Pipeline, StageSpec};
 use crate::registry::Built;
-use crate::stages::{BuildError, GiveUp, MapBuilder, World};
+use crate::stages::{BuildError, MapBuilder, World};
 
 impl Engine {
     /// Builds the engine without touching a device; where that fails, builds every stage for itself, so that all
@@ -24,8 +24,7 @@ impl Engine {
             None => None,
         };
         let mut errors = Vec::new();
-        let builder =
-            Builder { pipeline, world_map: None, real_time: false, dry_run: true, abort: GiveUp::default() };
+        let builder = Builder::new(pipeline, true);
         one_by_one(builder, &is_sound, &mut errors);
         if let Some(first) = first.filter(|first| !errors.contains(first)) {
             errors.push(first);
@@ -41,8 +40,7 @@ fn one_by_one(mut builder: Builder<'_>, is_sound: &impl Fn(&str) -> bool, errors
         match builder.stage::<Box<dyn World>>(&pipeline.world) {
             Ok(world) => {
                 has_world = true;
-                builder.world_map = world.map_file().map(Into::into);
-                builder.real_time = world.is_real_time();
+                builder.learn(world.as_ref());
             }
             Err(error) => errors.push(error),
         }

@@ -90,6 +90,8 @@ pub enum EventKind {
         /// What it said.
         error: String,
     },
+    /// The world has something to tell.
+    Notice(String),
     /// A stage was too slow for its observations: some were dropped before it saw them.
     Overflow {
         /// Name of the stage.
@@ -169,6 +171,7 @@ impl fmt::Display for EventKind {
             EventKind::Relocalized => write!(f, "the lost robot was found"),
             EventKind::Guard(intervention) => write!(f, "guard: {intervention}"),
             EventKind::StageFailed { stage, error } => write!(f, "{stage} failed: {error}"),
+            EventKind::Notice(text) => f.write_str(text),
             EventKind::Overflow { stage, n_lost } => {
                 write!(f, "{stage} was too slow: {n_lost} observations lost")
             }

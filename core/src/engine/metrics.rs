@@ -133,7 +133,7 @@ impl Metrics {
             let least = self.min_clearance_m.map_or(truth.clearance_m, |m| m.min(truth.clearance_m));
             self.min_clearance_m = Some(least);
         }
-        self.contacts = Some(truth.contact_episodes);
+        self.contacts = truth.contact_episodes;
         self.goal_error_m = self.goal.map(|goal| (goal - Point2::from(true_pose.translation.vector)).norm());
     }
 }

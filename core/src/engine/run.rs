@@ -93,7 +93,14 @@ impl Engine {
             }
             match stepped {
                 Stepped::Went => {}
-                Stepped::Ended => break RunEnd::new(EndReason::Ended, None),
+                Stepped::Ended => {
+                    // What the world says at its end belongs to the run.
+                    if !self.events.is_empty() {
+                        let view = self.view();
+                        observers.iter_mut().for_each(|observer| observer.on_step(&view));
+                    }
+                    break RunEnd::new(EndReason::Ended, None);
+                }
                 Stepped::Failed(error) => break RunEnd::new(EndReason::WorldFailed, Some(error.to_string())),
             }
             let view = self.view();

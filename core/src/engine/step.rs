@@ -121,6 +121,9 @@ impl Engine {
         let due = [self.schedule.next(), self.planning.due(), recorded];
         let next = due.into_iter().flatten().min().unwrap_or(Time::MAX).max(self.now);
         let advanced = self.world.advance(next);
+        while let Some(text) = self.world.take_notice() {
+            self.events.push(Event { stamp: self.now, kind: EventKind::Notice(text) });
+        }
         if let Ok(Advance::Reached(now)) = advanced {
             self.late = now - next;
         }

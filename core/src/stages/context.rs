@@ -39,6 +39,8 @@ pub struct BuildContext {
     pub folder: PathBuf,
     /// The map that belongs to the world.
     pub world_map: Option<PathBuf>,
+    /// The recording that the world plays.
+    pub world_recording: Option<PathBuf>,
     /// Layers that some stage of this pipeline needs.
     pub wanted_layers: Vec<Layer>,
     /// A check only: touch no device and start no thread.
@@ -59,6 +61,7 @@ impl BuildContext {
             seed: 0,
             folder: PathBuf::from("."),
             world_map: None,
+            world_recording: None,
             wanted_layers: Vec::new(),
             dry_run: false,
             background: Background::inline(Span::ZERO),

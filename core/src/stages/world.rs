@@ -35,6 +35,17 @@ pub trait World: Send {
         None
     }
 
+    /// The recording that this world plays, as a path that plugins read when they have no `file` of their own.
+    fn recording_file(&self) -> Option<&std::path::Path> {
+        None
+    }
+
+    /// What people should know about this world (damage in a recording, say), each thing once; asked after every
+    /// [`advance`](Self::advance) until there is nothing more.
+    fn take_notice(&mut self) -> Option<String> {
+        None
+    }
+
     /// Time passes by itself here: slow work must run on threads of its own.
     fn is_real_time(&self) -> bool {
         false
@@ -227,8 +238,8 @@ pub struct Truth {
     pub twist: Twist,
     /// From the hull to the nearest thing it could bump into, meters; negative inside; infinite where nothing is.
     pub clearance_m: f64,
-    /// How often contact began.
-    pub contact_episodes: u32,
+    /// How often contact began; absent where the world does not feel it.
+    pub contact_episodes: Option<u32>,
 }
 
 /// Why a world does not answer.

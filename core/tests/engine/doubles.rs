@@ -57,7 +57,7 @@ impl Plugin<dyn World> for FloorParams {
                 map_from_base: lift(&Pose2::identity()),
                 twist: Twist::ZERO,
                 clearance_m: f64::INFINITY,
-                contact_episodes: 0,
+                contact_episodes: Some(0),
             },
             ranges: Vec::with_capacity(1024),
             track_m,

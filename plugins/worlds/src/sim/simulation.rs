@@ -57,7 +57,7 @@ impl Simulation {
             map_from_base: lift(&map_from_base),
             twist: Twist::ZERO,
             clearance_m: body.clearance_m,
-            contact_episodes: 0,
+            contact_episodes: Some(0),
         };
         Simulation {
             place,
@@ -86,7 +86,7 @@ impl Simulation {
             map_from_base: lift(&self.body.map_from_base),
             twist: floor_twist,
             clearance_m: self.body.clearance_m,
-            contact_episodes: self.body.contact_episodes,
+            contact_episodes: Some(self.body.contact_episodes),
         };
     }
 
