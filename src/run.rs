@@ -31,7 +31,7 @@ pub struct Args {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
     /// Seed of every random stream, instead of the pipeline's
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     seed: Option<u64>,
     /// The whole run may take this many seconds of the world's time
     #[arg(long, value_name = "SECONDS", value_parser = above_zero)]

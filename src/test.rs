@@ -51,7 +51,10 @@ struct Verdict {
 pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let found = find::cases(&args.paths, &args.sets, args.filter.as_deref(), args.json, terminal)?;
     if found.cases.is_empty() && !found.has_faults {
-        return Err(Failure::Usage("there is nothing to test: no pipeline here has a [[test]]".into()));
+        return Err(Failure::Usage(match &args.filter {
+            Some(part) => format!("there is nothing to test: no [[test]] here has `{part}` in its name"),
+            None => "there is nothing to test: no pipeline here has a [[test]]".into(),
+        }));
     }
     let mut verdicts = Vec::new();
     let mut trouble = None;

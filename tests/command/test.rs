@@ -49,4 +49,8 @@ fn nothing_to_test_is_a_fault() {
     let given = give(&["test", &path]);
     assert_eq!(given.code, 2);
     assert!(given.stderr.contains("nothing to test"), "{}", given.stderr);
+    let path = file("tests_filtered", &office_with("[[test]]\nname = 'arrives'\nexpect = {}\n"));
+    let given = give(&["test", &path, "--filter", "flies"]);
+    assert_eq!(given.code, 2);
+    assert!(given.stderr.contains("no [[test]] here has `flies` in its name"), "{}", given.stderr);
 }

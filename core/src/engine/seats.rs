@@ -9,7 +9,7 @@ use super::seat::Seat;
 use super::sense::SensorSeat;
 use crate::frames::Pose2;
 use crate::map::Map;
-use crate::messages::{Estimate, ObservationKind, Prior, SensorId};
+use crate::messages::{Estimate, Prior, SensorId};
 use crate::pipeline::{Pipeline, Rate, StageSpec};
 use crate::stages::{BuildError, Localizer};
 use crate::time::Time;
@@ -111,13 +111,9 @@ pub(super) fn task(rate: Option<Rate>, schedule: &mut Schedule) -> Option<TaskId
 
 /// Sources whose age the guard watches: all that see obstacles, and the one that says how the robot moves.
 pub(super) fn watched(pipeline: &Pipeline) -> Vec<SensorId> {
-    let mut kinds = vec![ObservationKind::LaserScan, ObservationKind::RangeRing];
-    if pipeline.odometer.is_none() {
-        kinds.push(ObservationKind::Odometry);
-    }
     let sensors = pipeline.sensors.iter().enumerate();
-    let watched =
-        sensors.filter(|(_, spec)| spec.stage.manifest().produces.iter().any(|kind| kinds.contains(kind)));
+    let has_odometer = pipeline.odometer.is_some();
+    let watched = sensors.filter(|(_, spec)| spec.stage.manifest().is_watched(has_odometer));
     let odometer = pipeline.odometer.as_ref().map(|_| SensorId::ODOMETER);
     watched.map(|(idx, _)| SensorId(idx as u16)).chain(odometer).collect()
 }

@@ -1,6 +1,6 @@
 //! Do the parts of a pipeline fit together? What each plugin declares is enough to tell.
 
-use super::Seat;
+use super::{Rate, Seat};
 use super::draft::Draft;
 use super::section::Section;
 use crate::document::{Fault, FaultCode, Faults, join_path};
@@ -15,6 +15,7 @@ pub(super) fn check(draft: &Draft, registry: &Registry, faults: &mut Faults) {
     layer_owners(draft, faults);
     layers(draft, registry, faults);
     observations(draft, registry, faults);
+    ages(draft, faults);
     drives(draft, faults);
     mission(draft, faults);
 }
@@ -175,6 +176,30 @@ fn observations(draft: &Draft, registry: &Registry, faults: &mut Faults) {
                 true => fault,
                 false => fault.help(format!("a [[sensor]] could be {}", sensors.join(", "))),
             });
+        }
+    }
+}
+
+/// A sensor whose readings are always too old for the guard would keep the robot from ever driving.
+fn ages(draft: &Draft, faults: &mut Faults) {
+    let (stale_after_s, has_odometer) =
+        (draft.robot.guard.stale_after_s, draft.single(Seat::Odometer).is_some());
+    if draft.single(Seat::Avoider).is_none() {
+        return;
+    }
+    for sensor in &draft.sensors {
+        let Some(manifest) = sensor.manifest().filter(|manifest| manifest.is_watched(has_odometer)) else {
+            continue;
+        };
+        let Some(rate) = sensor.reserved.rate().or(manifest.default_rate_hz.map(Rate::Hz)) else { continue };
+        let period_s = rate.period().as_secs();
+        if period_s > stale_after_s {
+            let message = format!(
+                "gives a reading every {period_s} s, but the guard stops the robot when one is older than \
+                 {stale_after_s} s"
+            );
+            let help = "make the sensor faster, or raise robot.guard.stale_after_s";
+            faults.push(sensor.rate_fault(message).help(help));
         }
     }
 }

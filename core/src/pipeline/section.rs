@@ -92,11 +92,15 @@ impl Section {
         let (Some(most), Some(rate)) = (most, self.reserved.rate()) else { return };
         // A rate given as 1/37.5 s is the device's rate all the same.
         if rate.hz() > most * (1.0 + 1e-9) {
-            let key = if self.reserved.rate_hz.is_some() { "rate_hz" } else { "every_s" };
-            let (path, place) = (join_path(&self.path, key), self.node.nearest(key).origin);
             let message = format!("asks for {} a second, but the device gives at most {most}", rate.hz());
-            faults.push(Fault::new(FaultCode::Rate, path, place, message));
+            faults.push(self.rate_fault(message));
         }
+    }
+
+    /// A fault of the section's rate, in whichever key it is given.
+    pub fn rate_fault(&self, message: String) -> Fault {
+        let key = if self.reserved.every_s.is_some() { "every_s" } else { "rate_hz" };
+        Fault::new(FaultCode::Rate, join_path(&self.path, key), self.node.nearest(key).origin, message)
     }
 }
 

@@ -47,3 +47,14 @@ impl Default for Manifest {
         }
     }
 }
+
+impl Manifest {
+    /// The guard stops the robot when this source grows old: it sees obstacles, or says how the robot moves.
+    pub fn is_watched(&self, has_odometer: bool) -> bool {
+        self.produces.iter().any(|kind| match kind {
+            ObservationKind::LaserScan | ObservationKind::RangeRing => true,
+            ObservationKind::Odometry => !has_odometer,
+            _ => false,
+        })
+    }
+}

@@ -77,11 +77,21 @@ impl ScanShape {
         for (idx, reading) in scan.ranges_m.make_mut().iter_mut().enumerate() {
             let nominal_rad = self.first_bearing_rad + self.bearing_step_rad * idx as f64;
             let bearing_rad = nominal_rad + noise.bearing_error_rad(rng);
-            match world.probe(&self.probe(seat, bearing_rad, 1))? {
-                Answer::Ranges([exact_m]) => {
+            match world.probe(&self.probe(seat, bearing_rad, 1)) {
+                Ok(Answer::Ranges([exact_m])) => {
                     *reading = self.reading(*exact_m, &mut |exact| noise.read(exact, rng))
                 }
-                other => return Err(SensorError::WrongAnswer { expected: "beams", found: other.name() }),
+                Ok(Answer::Recorded(recorded)) => {
+                    seat.pass_on(recorded, out);
+                    return Ok(Scanned::Recorded);
+                }
+                Ok(other) => {
+                    return Err(SensorError::WrongAnswer { expected: "beams", found: other.name() });
+                }
+                Err(unanswered @ WorldError::Unsupported { .. }) => {
+                    return seat.ask_recording(world, unanswered, out).map(|()| Scanned::Recorded);
+                }
+                Err(error) => return Err(error.into()),
             }
         }
         Ok(Scanned::Scan(scan))
