@@ -9,6 +9,7 @@ pub mod engine;
 pub mod frames;
 pub mod map;
 pub mod messages;
+pub mod odometry_track;
 pub mod pipeline;
 pub mod registry;
 pub mod rng;

@@ -2,7 +2,7 @@
 
 use super::guard::Guard;
 use super::navigator::Navigator;
-use super::odometry_track::OdometryTrack;
+use crate::odometry_track::OdometryTrack;
 use super::ring::Ring;
 use super::schedule::Schedule;
 use super::seats::{localization, odometer, planning, seat, sensors, task, watched};

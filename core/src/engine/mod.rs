@@ -13,7 +13,6 @@ mod metrics;
 mod navigator;
 mod observer;
 mod obstacles;
-mod odometry_track;
 mod order;
 mod orders;
 mod planning;

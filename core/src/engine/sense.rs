@@ -1,6 +1,6 @@
 //! The first third of a step: from the world through sensors and odometer to what the stages see.
 
-use super::odometry_track::OdometryTrack;
+use crate::odometry_track::OdometryTrack;
 use super::ring::Filter;
 use super::seat::Seat;
 use super::step::Engine;

@@ -4,7 +4,7 @@ use super::events::{Event, EventKind};
 use super::guard::Guard;
 use super::localization::Localization;
 use super::navigator::Navigator;
-use super::odometry_track::OdometryTrack;
+use crate::odometry_track::OdometryTrack;
 use super::order::{Order, State};
 use super::planning::Planning;
 use super::ring::{Filter, Ring};

@@ -46,6 +46,9 @@ pub struct Map {
     pub version: u64,
     /// Occupancy of cells.
     pub grid: Option<Grid>,
+    /// The same area at twice, four times, ... the edge of `grid`'s cells, each made from the scans themselves, for
+    /// matching from coarse to fine; empty where no builder makes them.
+    pub coarse_grids: Vec<Grid>,
     /// Wall lines.
     pub lines: Option<Lines>,
     /// Points that can be recognized.

@@ -8,6 +8,7 @@ pub mod distance_field;
 pub mod generated_world;
 mod grid_size;
 pub mod map_file;
+pub mod occupancy;
 pub mod proximity;
 pub mod ray;
 pub mod segment;

@@ -1,4 +1,4 @@
-//! Where the base was in the odometer's frame, over the last moments.
+//! Where the base was in the odometer's frame, over the last moments: what brings a late scan to its own pose.
 
 use crate::frames::{Pose2, Twist, wrap_angle};
 use crate::messages::Odometry;
@@ -10,6 +10,12 @@ use std::collections::VecDeque;
 pub struct OdometryTrack {
     history: VecDeque<(Time, Pose2)>,
     twist: Twist,
+}
+
+impl Default for OdometryTrack {
+    fn default() -> Self {
+        OdometryTrack::new()
+    }
 }
 
 impl OdometryTrack {

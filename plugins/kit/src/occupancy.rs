@@ -1,0 +1,20 @@
+//! Scans into occupancy grids: what each beam says about the cells it passes and ends in.
+//!
+//! Cells are independent binary variables, kept as log-odds with prior zero (Thrun, Burgard, Fox, *Probabilistic
+//! Robotics*, 2005, chapter 9). Within one scan each cell changes at most once, and a hit wins over any number of beams
+//! that pass.
+
+mod area;
+mod beam_ends;
+mod evidence;
+mod line;
+mod painter;
+
+pub use area::AreaFill;
+pub use beam_ends::{BeamEnd, BeamEnds, BeamLimits, Mount2};
+pub use evidence::{Evidence, EvidenceFault};
+pub use line::line_cells;
+pub use painter::{FreeSpace, ScanPainter};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,99 @@
+//! One scan into one grid: free space, then hits.
+
+use super::area::AreaFill;
+use super::beam_ends::{BeamEnd, BeamEnds};
+use super::evidence::Evidence;
+use super::line::line_cells;
+use crate::GridSize;
+
+/// Which cells a scan says are free.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FreeSpace {
+    /// Those on the beams (Bresenham lines).
+    Beams,
+    /// Those between neighboring beams that are at most this far apart, radians; other beams as lines.
+    Area {
+        /// Widest angle between beams that bound an area.
+        widest_wedge_rad: f64,
+    },
+}
+
+/// Puts scans into grids of log-odds. Keeps its memory, so that a warm scan allocates nothing.
+#[derive(Debug, Clone, Default)]
+pub struct ScanPainter {
+    area: AreaFill,
+    passed: Vec<(u32, f32)>,
+    hits: Vec<(u32, f32)>,
+}
+
+impl ScanPainter {
+    /// Adds the scan whose beams end at `beams`; `scale` is cells of this grid a cell of the ends. Returns whether the
+    /// sensor stands on the grid; if not, nothing is changed.
+    pub fn paint(
+        &mut self,
+        cells: &mut [f32],
+        size: GridSize,
+        beams: &BeamEnds,
+        scale: f32,
+        free_space: FreeSpace,
+        evidence: &Evidence,
+    ) -> bool {
+        let sensor = beams.origin.map(|v| (v * scale).floor());
+        let inside = |x: f32, y: f32| x >= 0.0 && y >= 0.0 && x < size.width as f32 && y < size.height as f32;
+        if !inside(sensor[0], sensor[1]) || cells.len() != size.n_cells() {
+            return false;
+        }
+        let sensor = sensor.map(|v| v as i32);
+        self.passed.clear();
+        self.hits.clear();
+        let at_sensor = size.index(sensor[0] as usize, sensor[1] as usize);
+        let mut says_something = false;
+        for (idx, end) in beams.ends.iter().enumerate().filter(|(_, end)| **end != BeamEnd::Nothing) {
+            let place = [(beams.x[idx] * scale).floor(), (beams.y[idx] * scale).floor()];
+            let cell = place.map(|v| v as i32);
+            if cell == sensor {
+                continue;
+            }
+            says_something = true;
+            let is_inside = inside(place[0], place[1]);
+            let index = if is_inside { size.index(cell[0] as usize, cell[1] as usize) } else { 0 };
+            if is_line(beams, idx, free_space) {
+                let passed = &mut self.passed;
+                line_cells(size, sensor, cell, |passing| passed.push((passing as u32, cells[passing])));
+                if *end == BeamEnd::Open && is_inside {
+                    passed.push((index as u32, cells[index]));
+                }
+            }
+            if *end == BeamEnd::Hit && is_inside {
+                self.hits.push((index as u32, cells[index]));
+            }
+        }
+        if !says_something {
+            return true;
+        }
+        self.passed.push((at_sensor as u32, cells[at_sensor]));
+        if let FreeSpace::Area { widest_wedge_rad } = free_space {
+            self.area.fill(cells, size, beams, scale, widest_wedge_rad, evidence);
+        }
+        // Written from what the cells held before the scan: once, however many beams met in a cell.
+        for (index, before) in &self.passed {
+            cells[*index as usize] = evidence.passed(*before);
+        }
+        for (index, before) in &self.hits {
+            cells[*index as usize] = evidence.hit(*before);
+        }
+        true
+    }
+}
+
+/// The beam bounds no area, so its own cells are all that it says.
+fn is_line(beams: &BeamEnds, idx: usize, free_space: FreeSpace) -> bool {
+    let FreeSpace::Area { widest_wedge_rad } = free_space else { return true };
+    let n = beams.ends.len();
+    let says = |other: Option<usize>| {
+        other.and_then(|other| beams.ends.get(other)).is_some_and(|end| *end != BeamEnd::Nothing)
+    };
+    let before = idx.checked_sub(1).or(beams.is_closed.then_some(n.wrapping_sub(1)));
+    let after = if idx + 1 < n { Some(idx + 1) } else { beams.is_closed.then_some(0) };
+    beams.step_rad.abs() > widest_wedge_rad || !(says(before) || says(after))
+}
