@@ -59,7 +59,14 @@ fn a_seed_changes_what_chance_decides_and_nothing_else_is_needed() {
 
 #[test]
 fn impossible_options_are_refused_with_what_was_expected() {
-    for option in ["--speed=0", "--speed=nan", "--duration=-1", "--duration=x", "--seed=-1", "--seed=9223372036854775808"] {
+    for option in [
+        "--speed=0",
+        "--speed=nan",
+        "--duration=-1",
+        "--duration=x",
+        "--seed=-1",
+        "--seed=9223372036854775808",
+    ] {
         let given = give(&["run", OFFICE, option]);
         assert_eq!(given.code, 2, "{option}");
     }

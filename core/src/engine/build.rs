@@ -2,7 +2,6 @@
 
 use super::guard::Guard;
 use super::navigator::Navigator;
-use crate::odometry_track::OdometryTrack;
 use super::ring::Ring;
 use super::schedule::Schedule;
 use super::seats::{localization, odometer, planning, seat, sensors, task, watched};
@@ -11,6 +10,7 @@ use super::wish::WishMotion;
 use crate::frames::Pose3;
 use crate::map::Map;
 use crate::messages::{Command, Observations, SensorId};
+use crate::odometry_track::OdometryTrack;
 use crate::pipeline::{Pipeline, Rate, StageSpec};
 use crate::registry::Built;
 use crate::stages::{Background, BuildContext, BuildError, GiveUp, World};

@@ -1,12 +1,12 @@
 //! The first third of a step: from the world through sensors and odometer to what the stages see.
 
-use crate::odometry_track::OdometryTrack;
 use super::ring::Filter;
 use super::seat::Seat;
 use super::step::Engine;
 use super::timing::Part;
 use crate::frames::{Pose2, Pose3, Twist};
 use crate::messages::{Check, Data, MessageFault, Observation, Odometry, SensorId};
+use crate::odometry_track::OdometryTrack;
 use crate::stages::{Cx, Sensor};
 use crate::time::Time;
 use std::time::Instant;

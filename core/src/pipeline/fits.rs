@@ -1,8 +1,8 @@
 //! Do the parts of a pipeline fit together? What each plugin declares is enough to tell.
 
-use super::{Rate, Seat};
 use super::draft::Draft;
 use super::section::Section;
+use super::{Rate, Seat};
 use crate::document::{Fault, FaultCode, Faults, join_path};
 use crate::map::Layer;
 use crate::messages::ObservationKind;

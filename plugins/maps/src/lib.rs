@@ -1,4 +1,5 @@
 //! Map builders of Rumbo.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod occupancy_grid;
 pub mod static_map;

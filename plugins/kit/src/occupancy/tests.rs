@@ -151,7 +151,8 @@ fn random_scan(rng: &mut Xoshiro256PlusPlus, n: usize, step_rad: f64) -> LaserSc
 
 /// Whether a point is inside the wedge of two beams, by the signs of three cross products.
 fn in_wedge(point: [f64; 2], corners: [[f64; 2]; 3]) -> Option<bool> {
-    let side = |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0]);
+    let side =
+        |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0]);
     let sides = [side(corners[0], corners[1]), side(corners[1], corners[2]), side(corners[2], corners[0])];
     // Too near to an edge to say in single precision.
     if sides.iter().any(|side| side.abs() < 2e-3) {

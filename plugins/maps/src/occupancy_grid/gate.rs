@@ -1,0 +1,55 @@
+//! When a scan is worth inserting: a robot that stands would only make the map surer of the same errors.
+
+use rumbo_core::frames::Pose2;
+
+/// Remembers the pose of the last insertion.
+#[derive(Debug, Clone)]
+pub struct UpdateGate {
+    distance_m: f64,
+    angle_rad: f64,
+    last: Option<Pose2>,
+}
+
+impl UpdateGate {
+    /// Opens after more than this way or turn.
+    pub fn new(distance_m: f64, angle_rad: f64) -> UpdateGate {
+        UpdateGate { distance_m, angle_rad, last: None }
+    }
+
+    /// Whether the robot has moved enough; the first pose always has. A scanner with a narrow view must not turn past
+    /// what it saw last: a quarter of its field is the most.
+    pub fn is_open(&self, map_from_base: &Pose2, field_of_view_rad: f64) -> bool {
+        let Some(last) = &self.last else { return true };
+        let step = last.inverse() * map_from_base;
+        let most_turn_rad = self.angle_rad.min(field_of_view_rad / 4.0);
+        step.translation.vector.norm() > self.distance_m || step.rotation.angle().abs() > most_turn_rad
+    }
+
+    /// A scan was inserted from here.
+    pub fn close(&mut self, map_from_base: &Pose2) {
+        self.last = Some(*map_from_base);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rumbo_core::frames::pose2;
+
+    #[test]
+    fn way_or_turn_opens_it_and_the_turn_is_compared_across_the_wrap() {
+        let mut gate = UpdateGate::new(0.4, 0.9);
+        assert!(gate.is_open(&pose2(0.0, 0.0, 3.0), 9.0));
+        gate.close(&pose2(0.0, 0.0, 3.0));
+        for (pose, open) in [
+            (pose2(0.39, 0.0, 3.0), false),
+            (pose2(-0.3, 0.28, 3.0), true),
+            (pose2(0.0, 0.0, -2.5), false),
+            (pose2(0.0, 0.0, -2.3), true),
+            (pose2(0.0, 0.0, 2.0), true),
+        ] {
+            assert_eq!(gate.is_open(&pose, 9.0), open, "{pose}");
+        }
+        assert!(gate.is_open(&pose2(0.0, 0.0, 3.26), 1.0), "a quarter of one radian is less than 0.26");
+    }
+}

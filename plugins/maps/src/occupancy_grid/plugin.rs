@@ -1,0 +1,239 @@
+//! The occupancy grid as a map builder of the framework.
+
+use rumbo_core::frames::{Point2, Pose2, flatten};
+use rumbo_core::map::{Layer, Map};
+use rumbo_core::messages::{LaserScan, Observation, ObservationKind, SensorId, Status};
+use rumbo_core::odometry_track::OdometryTrack;
+use rumbo_core::registry::{Manifest, Params, Plugin};
+use rumbo_core::stages::{BuildContext, BuildError, Cx, MapBuilder, MapError, MapInput};
+use rumbo_core::time::Time;
+use rumbo_kit::GridSize;
+use rumbo_kit::occupancy::{BeamEnd, BeamEnds, Evidence, Mount2, ScanPainter};
+
+use super::gate::UpdateGate;
+use super::params::OccupancyGridParams;
+use super::pyramid::{Grown, Pyramid};
+
+rumbo_core::register_map_builder!(
+    OccupancyGridParams,
+    "occupancy_grid",
+    "a grid built from laser scans and the localizer's poses"
+);
+
+/// See [`OccupancyGridParams`].
+#[derive(Debug)]
+pub struct OccupancyGrid {
+    params: OccupancyGridParams,
+    evidence: Evidence,
+    pyramid: Pyramid,
+    sources: Vec<Source>,
+    is_blank: bool,
+    track: OdometryTrack,
+    beams: BeamEnds,
+    painter: ScanPainter,
+}
+
+/// What is remembered of each scanner: two that look to different sides do not wait for each other.
+#[derive(Debug)]
+struct Source {
+    sensor: SensorId,
+    newest: Option<Time>,
+    gate: UpdateGate,
+}
+
+/// Why a scan did not become part of the map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Skipped {
+    NotNewer,
+    NoHits,
+    NoPose,
+    Unsure,
+    HardlyMoved,
+    BesideTheMap,
+}
+
+impl Skipped {
+    fn counter(self) -> &'static str {
+        match self {
+            Skipped::NotNewer => "scans skipped: not newer than the last",
+            Skipped::NoHits => "scans skipped: no readings",
+            Skipped::NoPose => "scans skipped: no pose for their time",
+            Skipped::Unsure => "scans skipped: the pose is not sure",
+            Skipped::HardlyMoved => "scans skipped: the robot hardly moved",
+            Skipped::BesideTheMap => "scans skipped: the robot is beside the map",
+        }
+    }
+}
+
+impl Plugin<dyn MapBuilder> for OccupancyGridParams {
+    fn manifest(&self) -> Manifest {
+        Manifest {
+            gives_layers: vec![Layer::Grid],
+            consumes: vec![vec![ObservationKind::LaserScan]],
+            ..Manifest::default()
+        }
+    }
+
+    fn build(&self, _: &BuildContext) -> Result<Box<dyn MapBuilder>, BuildError> {
+        if let Some(fault) = self.check().into_iter().next() {
+            return Err(fault);
+        }
+        let evidence = self.evidence().map_err(|_| BuildError::at("", "impossible evidence"))?;
+        Ok(Box::new(OccupancyGrid {
+            evidence,
+            pyramid: Pyramid {
+                resolution_m: self.resolution_m,
+                levels: self.levels,
+                block_cells: self.grow_block_cells,
+                max_cells: self.max_cells,
+            },
+            sources: Vec::new(),
+            is_blank: true,
+            track: OdometryTrack::new(),
+            beams: BeamEnds::default(),
+            painter: ScanPainter::default(),
+            params: self.clone(),
+        }))
+    }
+}
+
+impl MapBuilder for OccupancyGrid {
+    fn start(&mut self, map: &mut Map) -> Result<(), MapError> {
+        self.lay(map, Point2::origin())
+    }
+
+    fn insert(&mut self, cx: &mut Cx<'_>, input: &MapInput<'_>, map: &mut Map) -> Result<(), MapError> {
+        for (observation, odometry) in input.seen.odometry().filter(|(observation, _)| observation.valid) {
+            self.track.push(observation.stamp, odometry);
+        }
+        for (observation, scan) in input.seen.laser_scans().filter(|(observation, _)| observation.valid) {
+            match self.insert_scan(observation, scan, input, map)? {
+                None => cx.trace.count("scans inserted", 1.0),
+                Some(skipped) => cx.trace.count(skipped.counter(), 1.0),
+            }
+        }
+        Ok(())
+    }
+}
+
+impl OccupancyGrid {
+    fn lay(&mut self, map: &mut Map, around: Point2) -> Result<(), MapError> {
+        let share = [self.params.start_x, self.params.start_y];
+        self.pyramid.lay(map, self.params.size_cells, around, share)?;
+        self.sources.clear();
+        self.is_blank = true;
+        map.touch();
+        Ok(())
+    }
+
+    fn insert_scan(
+        &mut self,
+        observation: &Observation,
+        scan: &LaserScan,
+        input: &MapInput<'_>,
+        map: &mut Map,
+    ) -> Result<Option<Skipped>, MapError> {
+        let source = self.source(observation.sensor);
+        if self.sources[source].newest.is_some_and(|newest| observation.stamp <= newest) {
+            return Ok(Some(Skipped::NotNewer));
+        }
+        self.sources[source].newest = Some(observation.stamp);
+        let Some(map_from_base) = self.pose_at(observation.stamp, input) else {
+            return Ok(Some(Skipped::NoPose));
+        };
+        if !rumbo_core::frames::is_finite2(&map_from_base) {
+            return Err(MapError::Other("the pose of a scan is not a finite number".to_owned()));
+        }
+        let deviations = input.estimate.covariance2().diagonal().map(f64::sqrt);
+        let is_sure = deviations.x.max(deviations.y) <= self.params.max_pose_std_m;
+        if input.estimate.status != Status::Tracking || !is_sure {
+            return Ok(Some(Skipped::Unsure));
+        }
+        let field_of_view_rad = scan.bearing_step_rad.abs() * scan.ranges_m.len() as f64;
+        if !(self.params.map_with_known_poses
+            || self.sources[source].gate.is_open(&map_from_base, field_of_view_rad))
+        {
+            return Ok(Some(Skipped::HardlyMoved));
+        }
+        if self.is_blank || !self.pyramid.fits(map) {
+            self.lay(map, map_from_base.translation.vector.into())?;
+        }
+        // Laying a new grid forgets the scanners.
+        let source = self.source(observation.sensor);
+        self.place(observation, scan, &map_from_base, map);
+        if self.beams.ends.iter().all(|end| *end == BeamEnd::Nothing) {
+            return Ok(Some(Skipped::NoHits));
+        }
+        if self.params.auto_grow && self.grow(map)? {
+            self.place(observation, scan, &map_from_base, map);
+        }
+        if !self.paint(map) {
+            return Ok(Some(Skipped::BesideTheMap));
+        }
+        self.is_blank = false;
+        self.sources[source].newest = Some(observation.stamp);
+        self.sources[source].gate.close(&map_from_base);
+        map.touch();
+        Ok(None)
+    }
+
+    fn source(&mut self, sensor: SensorId) -> usize {
+        self.sources.iter().position(|source| source.sensor == sensor).unwrap_or_else(|| {
+            let (distance_m, angle_deg) =
+                (self.params.map_update_distance_m, self.params.map_update_angle_deg);
+            let gate = UpdateGate::new(distance_m, angle_deg.to_radians());
+            self.sources.push(Source { sensor, newest: None, gate });
+            self.sources.len() - 1
+        })
+    }
+
+    /// The robot when the scan was taken: the estimate where it is of that time, else moved there by the odometer.
+    fn pose_at(&self, stamp: Time, input: &MapInput<'_>) -> Option<Pose2> {
+        if input.estimate.stamp == stamp {
+            return Some(input.estimate.pose2());
+        }
+        self.track.stamp().map(|_| flatten(&input.estimate.map_from_odom) * self.track.at(stamp))
+    }
+
+    fn place(&mut self, observation: &Observation, scan: &LaserScan, map_from_base: &Pose2, map: &Map) {
+        let Some(grid) = &map.grid else { return };
+        let grid_from_base = grid.grid_from_map() * map_from_base;
+        let mount = Mount2::new(&grid_from_base, &observation.base_from_sensor, grid.resolution_m());
+        self.beams.place(scan, &mount, &self.params.limits());
+    }
+
+    /// Makes room for the sensor and what it hit. Returns whether the grid changed.
+    fn grow(&mut self, map: &mut Map) -> Result<bool, MapError> {
+        let origin = self.beams.origin.map(f64::from);
+        let hits = self.beams.ends.iter().enumerate().filter(|(_, end)| **end == BeamEnd::Hit);
+        let (mut low, mut high) = (origin, origin);
+        for (idx, _) in hits {
+            for (axis, end) in [self.beams.x[idx], self.beams.y[idx]].into_iter().enumerate() {
+                low[axis] = low[axis].min(f64::from(end));
+                high[axis] = high[axis].max(f64::from(end));
+            }
+        }
+        match self.pyramid.make_room(map, low, high)? {
+            Grown::Fits => Ok(false),
+            Grown::Grew => Ok(true),
+            // The cells that are there are still worth having; only a robot beside them has nothing to say.
+            Grown::TooLarge => Ok(self.pyramid.make_room(map, origin, origin)? == Grown::Grew),
+        }
+    }
+
+    /// Puts the placed beams into every level. Returns whether the robot stands on the map.
+    fn paint(&mut self, map: &mut Map) -> bool {
+        let (evidence, free_space) = (self.evidence, self.params.free_space());
+        let mut is_on_map = false;
+        for (k, grid) in map.grid.iter_mut().chain(&mut map.coarse_grids).enumerate() {
+            let size = GridSize::new(grid.width() as usize, grid.height() as usize);
+            let scale = 0.5f32.powi(k as i32);
+            let cells = grid.cells.make_mut();
+            is_on_map = self.painter.paint(cells, size, &self.beams, scale, free_space, &evidence);
+        }
+        is_on_map
+    }
+}
+
+#[cfg(test)]
+mod tests;
