@@ -36,24 +36,25 @@ const MOST_PIXELS: u32 = 1600;
 impl MapImage {
     /// The image of a grid; none where no cell is known.
     pub fn of(grid: &Grid) -> Option<MapImage> {
-        let (cols, rows) = known(grid)?;
-        let longest = (cols.1 - cols.0).max(rows.1 - rows.0);
+        let (cols, rows) = grid.known_extent()?;
+        let longest = (cols.end - cols.start).max(rows.end - rows.start);
         let factor = longest.div_ceil(MOST_PIXELS).max(1);
-        let (width, height) = ((cols.1 - cols.0).div_ceil(factor), (rows.1 - rows.0).div_ceil(factor));
+        let (width, height) =
+            ((cols.end - cols.start).div_ceil(factor), (rows.end - rows.start).div_ceil(factor));
         let mut gray = Vec::with_capacity(width as usize * height as usize);
         for down in 0..height {
-            let row0 = rows.0 + (height - 1 - down) * factor;
+            let row0 = rows.start + (height - 1 - down) * factor;
             for right in 0..width {
-                let col0 = cols.0 + right * factor;
+                let col0 = cols.start + right * factor;
                 gray.push(darkest(
                     grid,
-                    (col0, (col0 + factor).min(cols.1)),
-                    (row0, (row0 + factor).min(rows.1)),
+                    (col0, (col0 + factor).min(cols.end)),
+                    (row0, (row0 + factor).min(rows.end)),
                 ));
             }
         }
         let resolution_m = grid.resolution_m();
-        let corner = Point2::new(f64::from(cols.0), f64::from(rows.0)) * resolution_m;
+        let corner = Point2::new(f64::from(cols.start), f64::from(rows.start)) * resolution_m;
         let map_from_corner = grid.map_from_grid() * corner;
         let origin = [map_from_corner.x, map_from_corner.y, grid.map_from_grid().rotation.angle()];
         Some(MapImage { width, height, pixel_m: resolution_m * f64::from(factor), origin, gray: gray.into() })
@@ -82,22 +83,6 @@ impl MapImage {
         encoder.write_image(&self.gray, self.width, self.height, image::ExtendedColorType::L8)?;
         Ok(bytes)
     }
-}
-
-/// First and past-the-last column and row of the known cells.
-fn known(grid: &Grid) -> Option<((u32, u32), (u32, u32))> {
-    let width = grid.width() as usize;
-    let (mut cols, mut rows) = ((u32::MAX, 0), (u32::MAX, 0));
-    for (row, cells) in grid.cells.chunks(width).enumerate() {
-        let is_known = |v: &f32| grid.class_of(*v) != CellClass::Unknown;
-        let (Some(first), Some(last)) = (cells.iter().position(is_known), cells.iter().rposition(is_known))
-        else {
-            continue;
-        };
-        cols = (cols.0.min(first as u32), cols.1.max(last as u32 + 1));
-        rows = (rows.0.min(row as u32), row as u32 + 1);
-    }
-    (cols.0 < cols.1).then_some((cols, rows))
 }
 
 /// Walls stay visible when cells are joined: the darkest class of a block, but known before unknown.

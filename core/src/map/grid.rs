@@ -2,6 +2,7 @@
 
 use crate::boundary::Buffer;
 use crate::frames::{Point2, Pose2, pose2};
+use std::ops::Range;
 
 /// A cell of a grid, counted from the lower left corner.
 #[repr(C)]
@@ -199,6 +200,19 @@ impl Grid {
             return CellClass::Unknown;
         }
         self.cells.get(self.index_of(cell)).map_or(CellClass::Unknown, |v| self.class_of(*v))
+    }
+
+    /// Columns and rows of the smallest rectangle that holds every known cell; none where no cell is known.
+    pub fn known_extent(&self) -> Option<(Range<u32>, Range<u32>)> {
+        let is_known = |v: &f32| self.class_of(*v) != CellClass::Unknown;
+        let (mut cols, mut rows) = (u32::MAX..0, u32::MAX..0);
+        for (row, cells) in self.cells.chunks(self.header.width as usize).enumerate() {
+            let first = cells.iter().position(is_known);
+            let (Some(first), Some(last)) = (first, cells.iter().rposition(is_known)) else { continue };
+            cols = cols.start.min(first as u32)..cols.end.max(last as u32 + 1);
+            rows = rows.start.min(row as u32)..row as u32 + 1;
+        }
+        (cols.start < cols.end).then_some((cols, rows))
     }
 
     /// Marks every cell that a disc touches, and in any case the one its middle lies in, as occupied.

@@ -7,6 +7,7 @@ use std::path::Path;
 
 mod error;
 mod header;
+mod of_grid;
 mod pixels;
 mod save;
 

@@ -199,3 +199,28 @@ fn missing_files_are_told_apart() {
     let no_picture = load_map(&folder.yaml(HEADER), DEFAULT_MAX_CELLS).unwrap_err();
     assert!(matches!(no_picture, MapFileError::ImageUnreadable { .. }));
 }
+
+#[test]
+fn a_grid_is_saved_where_it_lies_and_comes_back() {
+    use rumbo_core::map::{Grid, GridHeader};
+    let mut header = *Grid::unknown(6, 5, 0.25).unwrap().header();
+    header = GridHeader { origin: [2.0, -3.0, 0.0], occupied_above: 0.0, free_below: 0.0, ..header };
+    let mut cells = vec![0.0f32; 30];
+    cells[2 * 6 + 1] = -0.4;
+    cells[3 * 6 + 3] = 2.2;
+    let grid = Grid::new(header, cells.into()).unwrap();
+    let folder = std::env::temp_dir().join(format!("rumbo-of-grid-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    for (saved_as, values) in [(SavedAs::Trinary, [0, 100]), (SavedAs::Raw, [40, 90])] {
+        let image = MapImage::of_grid(&grid, saved_as).unwrap();
+        assert_eq!((image.width, image.height), (3, 2));
+        assert_eq!(image.origin, [2.25, -2.5, 0.0]);
+        assert_eq!(image.cells, [values[0], UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN, values[1]]);
+        for format in [PictureFormat::Pgm, PictureFormat::Png] {
+            save_map(&folder.join("map.yaml"), &image, saved_as, format).unwrap();
+            assert_eq!(load_map(&folder.join("map.yaml"), 100).unwrap(), image);
+        }
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert_eq!(MapImage::of_grid(&Grid::unknown(3, 3, 0.1).unwrap(), SavedAs::Raw), None);
+}
