@@ -62,7 +62,7 @@ fn row(path: &Path) -> Result<(), LogError> {
         span = Some(span.map_or((stamp, stamp), |(low, high)| (low.min(stamp), high.max(stamp))));
     }
     let seconds = clock.elapsed().as_secs_f64();
-    let megabytes = std::fs::metadata(path).map_or(0, |data| data.len()) as f64 / 1e6;
+    let megabytes = reader.n_bytes() as f64 / 1e6;
     let mut timeline = Timeline::open(path, BeamOverride::default())?;
     let n_in_order = timeline.by_ref().count();
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());

@@ -21,6 +21,8 @@ pub(super) struct Lines {
     pub bytes: Vec<u8>,
     /// Its number, from 1.
     pub number: u64,
+    /// Bytes of text so far.
+    pub n_bytes: u64,
     pending: Option<Damage>,
 }
 
@@ -64,7 +66,7 @@ impl Lines {
         } else {
             Box::new(file)
         };
-        Ok(Lines { input, bytes: Vec::with_capacity(1 << 12), number: 0, pending: None })
+        Ok(Lines { input, bytes: Vec::with_capacity(1 << 12), number: 0, n_bytes: 0, pending: None })
     }
 
     /// Reads the next line into `bytes`.
@@ -94,7 +96,9 @@ impl Lines {
     }
 
     fn read_part(&mut self) -> std::io::Result<usize> {
-        self.input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.bytes)
+        let n = self.input.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut self.bytes)?;
+        self.n_bytes += n as u64;
+        Ok(n)
     }
 
     /// Jumps over the rest of a line, keeping no more than one part of it at a time.

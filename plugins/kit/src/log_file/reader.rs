@@ -110,6 +110,11 @@ impl LogReader {
         &self.tally
     }
 
+    /// Bytes of text read so far, after decompression.
+    pub fn n_bytes(&self) -> u64 {
+        self.lines.n_bytes
+    }
+
     /// Takes the ranges of a scan that nobody needs any more.
     pub fn recycle(&mut self, buffer: Buffer<f32>) {
         self.desk.pool.recycle(buffer);

@@ -156,11 +156,10 @@ impl Timeline {
         let stamp = moment.stamp;
         let is_near = |newest: Time| (stamp - newest).0.abs() <= Self::WINDOW.0;
         if let Some(odd) = self.candidate.take() {
-            if self.newest.is_some_and(is_near) {
-                self.tally.count_stray(odd.line);
-            } else if self.follows(&odd, stamp) {
+            if self.follows(&odd, stamp) {
                 self.hold(odd);
-            } else if self.newest.is_some_and(|newest| stamp < newest) {
+            } else if self.newest.is_some_and(|newest| stamp < newest && !is_near(newest)) {
+                // This one is behind both: it is the odd one itself.
                 self.candidate = Some(odd);
             } else {
                 self.tally.count_stray(odd.line);
