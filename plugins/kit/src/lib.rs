@@ -7,6 +7,7 @@ pub mod cost_field;
 pub mod distance_field;
 pub mod generated_world;
 mod grid_size;
+pub mod log_file;
 pub mod map_file;
 pub mod occupancy;
 pub mod proximity;

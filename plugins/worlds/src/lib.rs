@@ -1,4 +1,5 @@
-//! Worlds of Rumbo: the 2.5-D simulator.
+//! Worlds of Rumbo: the 2.5-D simulator, and recordings.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod log;
 pub mod sim;

@@ -1,0 +1,16 @@
+//! The `log` world: a recording that plays itself.
+//!
+//! Time is virtual and begins at the first stamp of the log; observations come at their recorded stamps, in the order of
+//! these stamps. What the recording lacks, it does not answer.
+
+mod channel;
+mod odometer;
+mod params;
+mod playback;
+mod plugin;
+mod truth;
+
+pub use params::{LogParams, LogStart, RecordedChannel, TRUTH_INSIDE};
+pub use playback::Playback;
+pub use plugin::LogWorld;
+pub use truth::KnownTruth;

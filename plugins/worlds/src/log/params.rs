@@ -1,0 +1,128 @@
+//! What `[world] plugin = "log"` takes.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use rumbo_core::registry::Params;
+use rumbo_core::stages::BuildError;
+use rumbo_kit::log_file::BeamOverride;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// The word that stands for the poses inside the log.
+pub const TRUTH_INSIDE: &str = "log";
+
+/// A recorded robot log: CARMEN (`.log`, `.clf`) or Wean Hall, plain or gzip, of any size.
+///
+/// Time begins at the first stamp of the log. Records that are up to 2 s out of order are sorted by their stamps; what is
+/// farther out of order, or has the stamp of the record before it in its channel, is left out and counted. Lines that
+/// cannot be read are skipped and told at the end.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct LogParams {
+    /// The log, relative to the pipeline's folder.
+    pub file: PathBuf,
+    /// The map that belongs to the log: a map_server YAML file or a TOML world file, for plugins without a file of their
+    /// own.
+    pub map: Option<PathBuf>,
+    /// Which recorded channel a sensor gets, by the sensor's name: `front_laser`, `rear_laser` or `odometry`. A sensor
+    /// that is not listed gets the channel of its own name. Without any entry for a laser, and with one laser in the
+    /// log, every laser sensor gets that one; the same goes for odometry.
+    pub channels: BTreeMap<String, RecordedChannel>,
+    /// Where an operator would say that the robot stands at the first stamp. Without it: the first true pose if it is
+    /// within 2 s of the first stamp; else, if there is no `map`, the odometer's first pose.
+    pub start: Option<LogStart>,
+    /// True poses: a file of `t x y theta` lines (absolute stamps in seconds as in the log, meters, radians; plain or
+    /// gzip), or the word `log` for the poses inside the log: those of `VERTEX2` lines, else the first pose of each
+    /// laser message.
+    pub truth: Option<PathBuf>,
+    /// A range of this much or more means that nothing was seen, meters. Without it: what the log says, else 80.
+    pub max_range_m: Option<f64>,
+    /// Bearing of the first beam, degrees. Without it: what the log says, else -90.
+    pub first_bearing_deg: Option<f64>,
+    /// From one beam to the next, degrees. Without it: what the log says, else 1 for 180 or 181 beams, 0.5 for 360 or
+    /// 361, and 180 in all for other numbers of beams.
+    pub bearing_step_deg: Option<f64>,
+}
+
+/// A pose on the floor.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LogStart {
+    /// Meters along the map's x axis.
+    pub x_m: f64,
+    /// Meters along the map's y axis.
+    pub y_m: f64,
+    /// Heading, counter-clockwise from the x axis, degrees.
+    #[serde(default)]
+    pub yaw_deg: f64,
+}
+
+/// What a log can have recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum RecordedChannel {
+    /// Scans of the front laser.
+    FrontLaser,
+    /// Scans of the rear laser.
+    RearLaser,
+    /// Poses of the odometer.
+    Odometry,
+}
+
+impl RecordedChannel {
+    /// All of them.
+    pub const ALL: [RecordedChannel; 3] =
+        [RecordedChannel::FrontLaser, RecordedChannel::RearLaser, RecordedChannel::Odometry];
+
+    /// Its name in a pipeline.
+    pub fn name(self) -> &'static str {
+        match self {
+            RecordedChannel::FrontLaser => "front_laser",
+            RecordedChannel::RearLaser => "rear_laser",
+            RecordedChannel::Odometry => "odometry",
+        }
+    }
+}
+
+impl LogParams {
+    /// What the user knows of the beams.
+    pub fn known(&self) -> BeamOverride {
+        BeamOverride {
+            first_bearing_rad: self.first_bearing_deg.map(f64::to_radians),
+            bearing_step_rad: self.bearing_step_deg.map(f64::to_radians),
+            max_range_m: self.max_range_m,
+        }
+    }
+}
+
+impl Params for LogParams {
+    fn check(&self) -> Vec<BuildError> {
+        let mut faults = Vec::new();
+        if self.file.as_os_str().is_empty() {
+            let fault = BuildError::at("file", "is missing, expected the path of a robot log");
+            faults.push(fault.help("CARMEN logs (.log, .clf) and Wean Hall logs are read, plain or gzip"));
+        }
+        let start = self.start.iter().flat_map(|start| {
+            [("start.x_m", start.x_m), ("start.y_m", start.y_m), ("start.yaw_deg", start.yaw_deg)]
+        });
+        for (key, value) in start.filter(|(_, value)| !value.is_finite()) {
+            faults.push(BuildError::at(key, format!("is {value}, expected a finite number")));
+        }
+        if let Some(value) = self.max_range_m.filter(|value| !(*value > 0.0 && value.is_finite())) {
+            let message = format!("is {value}, expected a finite number above zero");
+            faults.push(BuildError::at("max_range_m", message));
+        }
+        let bearings = [
+            ("first_bearing_deg", self.first_bearing_deg, 0.0),
+            ("bearing_step_deg", self.bearing_step_deg, 1e-6),
+        ];
+        for (key, value, least) in bearings {
+            if let Some(value) = value.filter(|value| !(least..=360.0).contains(&value.abs())) {
+                let message = format!("is {value}, expected an angle of at most 360 degrees, and a step not of zero");
+                faults.push(BuildError::at(key, message));
+            }
+        }
+        faults
+    }
+}
