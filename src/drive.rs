@@ -3,9 +3,19 @@
 use crate::outcome::Outcome;
 use crate::record::{Recorder, RunRecord};
 use rumbo_core::engine::{Engine, EngineError, Metrics, Observer};
+use rumbo_core::map::Map;
 use rumbo_core::pipeline::Pipeline;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
+
+/// What a run leaves.
+#[derive(Debug)]
+pub struct Driven {
+    /// For reports and pictures.
+    pub record: RunRecord,
+    /// The map as the run left it.
+    pub map: Map,
+}
 
 /// Drives the pipeline to its end. `others` watch too; `file` and `config` go into the record.
 pub fn drive(
@@ -15,6 +25,17 @@ pub fn drive(
     others: &mut [&mut dyn Observer],
     interrupt: &AtomicBool,
 ) -> Result<RunRecord, EngineError> {
+    drive_and_keep(pipeline, file, config, others, interrupt).map(|driven| driven.record)
+}
+
+/// As [`drive`], and keeps the map.
+pub fn drive_and_keep(
+    pipeline: &Pipeline,
+    file: &str,
+    config: &str,
+    others: &mut [&mut dyn Observer],
+    interrupt: &AtomicBool,
+) -> Result<Driven, EngineError> {
     let mut engine = Engine::build(pipeline)?;
     let (mut metrics, mut recorder) = (Metrics::new(), Recorder::default());
     let clock = Instant::now();
@@ -24,7 +45,8 @@ pub fn drive(
         engine.run(&mut observers, interrupt)
     };
     let outcome = Outcome::new(pipeline, &metrics, &end, clock.elapsed());
-    let mut record = recorder.finish(pipeline, file, engine.view().map, config.to_owned());
+    let map = engine.view().map.clone();
+    let mut record = recorder.finish(pipeline, file, &map, config.to_owned());
     record.outcome = Some(outcome);
-    Ok(record)
+    Ok(Driven { record, map })
 }

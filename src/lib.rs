@@ -18,6 +18,7 @@ pub mod diagnostics;
 pub mod drive;
 pub mod exit;
 pub mod load;
+pub mod map;
 pub mod outcome;
 pub mod picture;
 pub mod plot;

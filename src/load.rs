@@ -73,7 +73,15 @@ pub fn registry() -> Result<Registry, Failure> {
 
 /// Reads a pipeline and proves that its parts fit together.
 pub fn load(path: &Path, sets: &[String], registry: &Registry) -> Result<Ready, Refused> {
-    let loaded = Loaded::read(path, sets, registry);
+    sound(Loaded::read(path, sets, registry))
+}
+
+/// As [`load`] for a pipeline that is in no file.
+pub fn from_text(path: &Path, text: &str, sets: &[String], registry: &Registry) -> Result<Ready, Refused> {
+    sound(Loaded::from_text(path, text, sets, registry))
+}
+
+fn sound(loaded: Loaded) -> Result<Ready, Refused> {
     match loaded.sound() {
         Some(pipeline) => {
             let config = to_commented_toml(&loaded.effective(), &loaded.document.sources);

@@ -59,6 +59,9 @@ pub struct EventRecord {
     pub text: String,
     /// It is trouble, not progress.
     pub is_trouble: bool,
+    /// It is what the world itself had to tell: damage in a recording, say.
+    #[serde(default)]
+    pub is_notice: bool,
 }
 
 /// What a sensor sees from the start.
@@ -209,7 +212,12 @@ pub fn test_record() -> RunRecord {
             PathRecord { time_s: 1.0, points: vec![[1.0, 0.5], [2.0, 0.8], [3.0, 0.5]] },
         ],
         obstacles: vec![[2.0, 0.5, 0.05]],
-        events: vec![EventRecord { time_s: 1.0, text: "blocked by <1> obstacle".into(), is_trouble: true }],
+        events: vec![EventRecord {
+            time_s: 1.0,
+            text: "blocked by <1> obstacle".into(),
+            is_trouble: true,
+            is_notice: false,
+        }],
         n_events_left_out: 0,
         map: Some(MapImage { width: 40, height: 30, pixel_m: 0.1, origin: [-0.5, -1.0, 0.0], gray }),
         seen: Vec::new(),

@@ -123,7 +123,7 @@ fn watched_drive(args: &Args, ready: &Ready, terminal: &Terminal) -> Result<RunR
 }
 
 /// Raised by the first interrupt, which stops the robot; the second ends the program.
-fn on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
+pub fn on_interrupt() -> Result<Arc<AtomicBool>, Failure> {
     let flag = Arc::new(AtomicBool::new(false));
     let raised = Arc::clone(&flag);
     let handler = move || {
@@ -174,7 +174,8 @@ pub fn write_picture(path: &Path, record: &RunRecord) -> Result<(), Failure> {
     write_file(path, &png)
 }
 
-fn exit_of(outcome: &Outcome) -> Exit {
+/// What the caller is told of a run.
+pub fn exit_of(outcome: &Outcome) -> Exit {
     match outcome.reason {
         EndReason::Interrupted => Exit::Interrupted,
         _ if outcome.is_success() => Exit::Success,

@@ -86,9 +86,15 @@ impl Terminal {
 
 /// Writes a file and the folders above it.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    make_folder_of(path)?;
+    std::fs::write(path, bytes)
+        .map_err(|error| Failure::Internal(format!("cannot write {}: {error}", path.display())))
+}
+
+/// Makes the folders above a file.
+pub fn make_folder_of(path: &Path) -> Result<(), Failure> {
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
     parent
         .map_or(Ok(()), std::fs::create_dir_all)
-        .and_then(|()| std::fs::write(path, bytes))
         .map_err(|error| Failure::Internal(format!("cannot write {}: {error}", path.display())))
 }

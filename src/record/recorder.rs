@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 /// Moments that are kept at most; when they are full every second one is dropped and half as many are taken.
 const ROOM: usize = 4096;
-/// Events that are kept at most: a table that a person reads.
+/// Events that are kept at most, beside what the world tells: a table that a person reads.
 const EVENTS: usize = 400;
 /// Paths that are kept at most; the first and the latest.
 const PATHS: usize = 64;
@@ -117,7 +117,8 @@ impl Recorder {
                     [obstacle.position.x, obstacle.position.y, obstacle.radius_m].map(hundredths)
                 }));
             }
-            if self.events.len() == EVENTS {
+            let is_notice = matches!(event.kind, EventKind::Notice(_));
+            if self.events.len() >= EVENTS && !is_notice {
                 self.n_events_left_out += 1;
                 continue;
             }
@@ -133,7 +134,7 @@ impl Recorder {
                     | EventKind::Relocalized
             );
             let (time_s, text) = (event.stamp.as_secs(), event.kind.to_string());
-            self.events.push(EventRecord { time_s, text, is_trouble });
+            self.events.push(EventRecord { time_s, text, is_trouble, is_notice });
         }
     }
 }

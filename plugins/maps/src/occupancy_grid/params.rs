@@ -45,11 +45,15 @@ pub struct OccupancyGridParams {
     pub map_with_known_poses: bool,
     /// A pose whose standard deviation along x or y is larger inserts nothing, meters.
     pub max_pose_std_m: f64,
+    /// A scan farther than this from the estimate in time is not inserted, seconds: the odometer alone does not carry
+    /// a pose that far.
+    pub max_pose_age_s: f64,
     /// Nearer readings are dropped, meters.
     pub min_range_m: f64,
     /// Farther readings count as nothing seen, meters.
     pub max_range_m: f64,
-    /// A beam that sees nothing within reach frees the cells that it passes.
+    /// A beam that sees nothing within reach frees the cells that it passes. Off by default: glass, black and mirrors
+    /// look like nothing to a real scanner, and freeing behind them wipes out walls.
     pub clear_on_no_return: bool,
     /// How far such a beam frees, meters; without it: as far as the scanner reaches.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -90,9 +94,10 @@ impl Default for OccupancyGridParams {
             map_update_angle_deg: 51.6,
             map_with_known_poses: false,
             max_pose_std_m: 0.5,
+            max_pose_age_s: 0.5,
             min_range_m: 0.0,
             max_range_m: 30.0,
-            clear_on_no_return: true,
+            clear_on_no_return: false,
             clear_range_m: None,
             free_space: FreeSpaceRule::Area,
             widest_wedge_deg: 1.1,
@@ -115,6 +120,7 @@ impl Params for OccupancyGridParams {
         let lengths = [
             ("resolution_m", self.resolution_m),
             ("max_pose_std_m", self.max_pose_std_m),
+            ("max_pose_age_s", self.max_pose_age_s),
             ("max_range_m", self.max_range_m),
             ("clear_range_m", self.clear_range_m.unwrap_or(1.0)),
             ("widest_wedge_deg", self.widest_wedge_deg),

@@ -192,7 +192,12 @@ impl OccupancyGrid {
         if input.estimate.stamp == stamp {
             return Some(input.estimate.pose2());
         }
-        self.track.stamp().map(|_| flatten(&input.estimate.map_from_odom) * self.track.at(stamp))
+        let age_s = (stamp - input.estimate.stamp).as_secs().abs();
+        let is_near = age_s <= self.params.max_pose_age_s;
+        self.track
+            .stamp()
+            .filter(|_| is_near)
+            .map(|_| flatten(&input.estimate.map_from_odom) * self.track.at(stamp))
     }
 
     fn place(&mut self, observation: &Observation, scan: &LaserScan, map_from_base: &Pose2, map: &Map) {

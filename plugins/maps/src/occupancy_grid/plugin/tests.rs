@@ -105,6 +105,10 @@ fn a_scan_is_inserted_from_where_the_robot_was_when_it_was_taken() {
     let seen = [odometry(1.0, pose2(0.0, 0.0, 0.0)), round(1.5, 2.0), odometry(2.0, pose2(1.0, 0.0, 0.0))];
     assert_eq!(insert(builder.as_mut(), &mut map, &seen, &estimate), INSERTED);
     assert_eq!(class(&map, 2.51, 0.0), CellClass::Occupied);
+    let (mut builder, mut map) = build(&params());
+    let old = Estimate { stamp: Time::from_secs(2.5), ..estimate.clone() };
+    let given = insert(builder.as_mut(), &mut map, &seen, &old);
+    assert_eq!(given, [Skipped::NoPose.counter()], "a second away");
     let (mut without_odometry, mut map) = build(&params());
     let given = insert(without_odometry.as_mut(), &mut map, &seen[1..2], &estimate);
     assert_eq!(given, [Skipped::NoPose.counter()]);
@@ -205,6 +209,7 @@ fn beams_without_an_end_free_space_only_when_they_may() {
         insert(builder.as_mut(), &mut map, &seen, &known(1.0, Pose2::identity()));
         [1.0, 2.9, 3.1].map(|x| class(&map, x, 0.0) == CellClass::Free)
     };
+    assert!(!OccupancyGridParams::default().clear_on_no_return, "glass looks like nothing, too");
     assert_eq!(open(true, None), [true, true, true]);
     assert_eq!(open(true, Some(3.0)), [true, true, false]);
     assert_eq!(open(false, None), [false, false, false]);
