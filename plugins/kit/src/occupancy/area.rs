@@ -1,6 +1,7 @@
 //! Fills the area that a fan of beams swept, row by row.
 
 use super::beam_ends::{BeamEnd, BeamEnds};
+use super::ceil;
 use super::evidence::Evidence;
 use crate::GridSize;
 
@@ -39,9 +40,8 @@ impl AreaFill {
             xs.sort_unstable_by(f32::total_cmp);
             for span in xs.chunks_exact(2) {
                 // A cell is inside when its middle is; the comparison is half open, so neighbors share no cell.
-                let first = (span[0] - 0.5).ceil().max(0.0) as usize;
-                let last = (span[1] - 0.5).ceil().max(0.0) as usize;
-                let last = last.min(line.len());
+                let first = ceil(span[0] - 0.5).max(0) as usize;
+                let last = (ceil(span[1] - 0.5).max(0) as usize).min(line.len());
                 for cell in line.get_mut(first.min(last)..last).into_iter().flatten() {
                     *cell = evidence.passed(*cell);
                 }
@@ -74,19 +74,19 @@ impl AreaFill {
     fn cross_rows(&mut self, n_rows: usize) {
         self.crossings.clear();
         self.first_row = u32::MAX;
+        let n_rows = i32::try_from(n_rows).unwrap_or(i32::MAX);
         let Some(&last) = self.outline.last() else { return };
         let mut from = last;
         for &to in &self.outline {
             let (low, high) = if from[1] <= to[1] { (from, to) } else { (to, from) };
-            let first = (low[1] - 0.5).ceil().max(0.0);
-            let end = (high[1] - 0.5).ceil().min(n_rows as f32);
+            let first = ceil(low[1] - 0.5).max(0);
+            let end = ceil(high[1] - 0.5).min(n_rows);
             if first < end {
                 let slope = (high[0] - low[0]) / (high[1] - low[1]);
-                let begin_x = low[0] + (first + 0.5 - low[1]) * slope;
-                let first = first as u32;
-                self.first_row = self.first_row.min(first);
-                for row in first..end as u32 {
-                    self.crossings.push((row, begin_x + (row - first) as f32 * slope));
+                let begin_x = low[0] + (first as f32 + 0.5 - low[1]) * slope;
+                self.first_row = self.first_row.min(first as u32);
+                for k in 0..end - first {
+                    self.crossings.push(((first + k) as u32, begin_x + k as f32 * slope));
                 }
             }
             from = to;

@@ -3,6 +3,7 @@
 use super::area::AreaFill;
 use super::beam_ends::{BeamEnd, BeamEnds};
 use super::evidence::Evidence;
+use super::floor;
 use super::line::line_cells;
 use crate::GridSize;
 
@@ -38,24 +39,27 @@ impl ScanPainter {
         free_space: FreeSpace,
         evidence: &Evidence,
     ) -> bool {
-        let sensor = beams.origin.map(|v| (v * scale).floor());
-        let inside = |x: f32, y: f32| x >= 0.0 && y >= 0.0 && x < size.width as f32 && y < size.height as f32;
-        if !inside(sensor[0], sensor[1]) || cells.len() != size.n_cells() {
+        let sensor = beams.origin.map(|v| floor(v * scale));
+        let inside = |cell: [i32; 2]| {
+            cell[0] >= 0
+                && cell[1] >= 0
+                && (cell[0] as usize) < size.width
+                && (cell[1] as usize) < size.height
+        };
+        if !inside(sensor) || cells.len() != size.n_cells() {
             return false;
         }
-        let sensor = sensor.map(|v| v as i32);
         self.passed.clear();
         self.hits.clear();
         let at_sensor = size.index(sensor[0] as usize, sensor[1] as usize);
         let mut says_something = false;
         for (idx, end) in beams.ends.iter().enumerate().filter(|(_, end)| **end != BeamEnd::Nothing) {
-            let place = [(beams.x[idx] * scale).floor(), (beams.y[idx] * scale).floor()];
-            let cell = place.map(|v| v as i32);
+            let cell = [beams.x[idx], beams.y[idx]].map(|v| floor(v * scale));
             if cell == sensor {
                 continue;
             }
             says_something = true;
-            let is_inside = inside(place[0], place[1]);
+            let is_inside = inside(cell);
             let index = if is_inside { size.index(cell[0] as usize, cell[1] as usize) } else { 0 };
             if is_line(beams, idx, free_space) {
                 let passed = &mut self.passed;
