@@ -119,6 +119,7 @@ fn plans(name: &str, params: &impl Plugin<dyn Planner>) -> Fallible {
 struct Simulated {
     world: Box<dyn World>,
     sensors: [(Box<dyn Sensor>, i64); 2],
+    due_ns: [i64; 2],
     observations: Observations,
 }
 
@@ -135,17 +136,19 @@ impl Simulated {
         let wheels = WheelEncodersParams::default().build(&BuildContext::bare("wheels"))?;
         // 37.5 scans of 361 beams and 20 looks at the wheels in a second.
         let sensors = [(laser, 26_666_667), (wheels, 50_000_000)];
-        Ok(Self { world, sensors, observations: Observations::default() })
+        let mut simulated = Self { world, sensors, due_ns: [0, 0], observations: Observations::default() };
+        // The first scan prepares the place for rays.
+        simulated.run_until(1)?;
+        Ok(simulated)
     }
 
-    /// Drives in a circle of 0.8 m.
-    fn run(&mut self, robot_s: i64) -> Fallible {
+    /// Drives in a circle of 0.8 m radius.
+    fn run_until(&mut self, robot_s: i64) -> Fallible {
         let trace = Trace::unwatched();
         let command = Command { twist: Twist::new(0.2, 0.25), ..Command::default() };
-        let mut due_ns = [0, 0];
         loop {
-            let idx = usize::from(due_ns[1] < due_ns[0]);
-            let now = Time(due_ns[idx]);
+            let idx = usize::from(self.due_ns[1] < self.due_ns[0]);
+            let now = Time(self.due_ns[idx]);
             if now.0 >= robot_s * 1_000_000_000 {
                 return Ok(());
             }
@@ -155,7 +158,7 @@ impl Simulated {
             }
             let (sensor, period_ns) = &mut self.sensors[idx];
             sensor.poll(&mut Cx { now, trace: &trace }, &mut *self.world, &mut self.observations)?;
-            due_ns[idx] += *period_ns;
+            self.due_ns[idx] += *period_ns;
             while let Some(observation) = self.observations.pop_front() {
                 self.observations.recycle(observation);
             }
@@ -163,14 +166,14 @@ impl Simulated {
     }
 }
 
-/// World and sensor plugins, nothing else: 30 s at each of four places in different rooms.
+/// World and sensor plugins, nothing else: a minute at each of four places in different rooms.
 fn simulations() -> Fallible {
-    const ROBOT_S: i64 = 30;
+    const ROBOT_S: i64 = 60;
     const PLACES_M: [(f64, f64); 4] = [(3.0, 4.5), (2.0, 8.0), (10.0, 8.0), (24.0, 19.0)];
     for map in ["office-20m.yaml", "office_people.toml"] {
         let prepare = || PLACES_M.map(|place| Simulated::new(map, place)).into_iter().collect();
         let run = |simulated: &mut Vec<Simulated>| {
-            simulated.iter_mut().try_for_each(|simulated| simulated.run(ROBOT_S))
+            simulated.iter_mut().try_for_each(|simulated| simulated.run_until(ROBOT_S + 1))
         };
         let robot_s = (ROBOT_S * PLACES_M.len() as i64) as f64;
         print_factor(&format!("simulator with its sensors, {map}"), robot_s, timed::<Vec<_>, _>(prepare, run)?);
