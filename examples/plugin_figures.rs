@@ -176,7 +176,11 @@ fn simulations() -> Fallible {
             simulated.iter_mut().try_for_each(|simulated| simulated.run_until(ROBOT_S + 1))
         };
         let robot_s = (ROBOT_S * PLACES_M.len() as i64) as f64;
-        print_factor(&format!("simulator with its sensors, {map}"), robot_s, timed::<Vec<_>, _>(prepare, run)?);
+        print_factor(
+            &format!("simulator with its sensors, {map}"),
+            robot_s,
+            timed::<Vec<_>, _>(prepare, run)?,
+        );
     }
     Ok(())
 }
