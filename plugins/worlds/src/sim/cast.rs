@@ -33,6 +33,7 @@ const ROUNDER: f64 = 1.5 * (1u64 << 52) as f64;
 
 impl Axis {
     /// An axis at `way`; the cell is `cell` of the lattice.
+    #[inline(always)]
     fn new(from: f64, along: f64, way: f64, n_cells: usize) -> Self {
         let cell = ((from + way * along) as i32).clamp(0, n_cells as i32 - 1);
         // The border ahead is never at `from` itself, so the largest number stands for "never".
@@ -80,6 +81,7 @@ enum Step {
 
 impl<'a> Walk<'a> {
     /// `None` when the ray never comes into the lattice.
+    #[inline(always)]
     fn new(lattice: &'a Lattice, ray: &Ray, reach: f64) -> Option<Self> {
         let (width, height) = (lattice.width as f64, lattice.height as f64);
         let inside = ray.from.x >= 0.0 && ray.from.y >= 0.0 && ray.from.x < width && ray.from.y < height;
