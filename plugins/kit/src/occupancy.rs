@@ -17,14 +17,14 @@ pub use line::line_cells;
 pub use painter::{FreeSpace, ScanPainter};
 
 /// The largest whole number that is not above `value`, without a call into the mathematics library.
-#[inline]
+#[inline(always)]
 fn floor(value: f32) -> i32 {
     let truncated = value as i32;
     truncated - i32::from(truncated as f32 > value)
 }
 
 /// The smallest whole number that is not below `value`.
-#[inline]
+#[inline(always)]
 fn ceil(value: f32) -> i32 {
     let truncated = value as i32;
     truncated + i32::from((truncated as f32) < value)

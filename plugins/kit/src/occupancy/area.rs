@@ -4,15 +4,29 @@ use super::beam_ends::{BeamEnd, BeamEnds};
 use super::ceil;
 use super::evidence::Evidence;
 use crate::GridSize;
+use crate::simd::{self, Kernel, Vectors};
 
 /// Cells whose middle lies inside the outline of the swept area, each exactly once. Keeps its memory between scans.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct AreaFill {
     outline: Vec<[f32; 2]>,
-    crossings: Vec<(u32, f32)>,
-    first_row: u32,
-    sorted: Vec<f32>,
-    starts: Vec<u32>,
+    rows: Rows,
+}
+
+/// Where an outline crosses the middles of rows: up to `width` crossings of row `first + r` at `r * width`.
+#[derive(Debug, Clone)]
+struct Rows {
+    first: i32,
+    width: usize,
+    counts: Vec<u32>,
+    crossings: Vec<f32>,
+}
+
+impl Default for AreaFill {
+    fn default() -> Self {
+        let rows = Rows { first: 0, width: 8, counts: Vec::new(), crossings: Vec::new() };
+        AreaFill { outline: Vec::new(), rows }
+    }
 }
 
 impl AreaFill {
@@ -28,25 +42,16 @@ impl AreaFill {
         widest_wedge_rad: f64,
         evidence: &Evidence,
     ) {
-        if beams.step_rad.abs() > widest_wedge_rad {
+        if beams.step_rad.abs() > widest_wedge_rad || cells.len() != size.n_cells() {
             return;
         }
         self.draw_outline(beams, scale);
-        self.cross_rows(size.height);
-        self.sort_by_row();
-        let rows = cells.chunks_exact_mut(size.width).skip(self.first_row as usize);
-        for (line, bounds) in rows.zip(self.starts.windows(2)) {
-            let Some(xs) = self.sorted.get_mut(bounds[0] as usize..bounds[1] as usize) else { return };
-            xs.sort_unstable_by(f32::total_cmp);
-            for span in xs.chunks_exact(2) {
-                // A cell is inside when its middle is; the comparison is half open, so neighbors share no cell.
-                let first = ceil(span[0] - 0.5).max(0) as usize;
-                let last = (ceil(span[1] - 0.5).max(0) as usize).min(line.len());
-                for cell in line.get_mut(first.min(last)..last).into_iter().flatten() {
-                    *cell = evidence.passed(*cell);
-                }
-            }
+        self.rows.span(&self.outline, size.height);
+        while !self.rows.cross(&self.outline) {
+            // A row is crossed more often than ever before: there will be room for twice as many from now on.
+            self.rows.width *= 2;
         }
+        simd::widest(FreeBetween { rows: &mut self.rows, cells, width: size.width, evidence });
     }
 
     /// The closed outline: through the sensor, along the ends of each run of neighbors, and back.
@@ -69,52 +74,95 @@ impl AreaFill {
             was_run = says(idx);
         }
     }
+}
 
-    /// Where the outline crosses the middle of each row.
-    fn cross_rows(&mut self, n_rows: usize) {
-        self.crossings.clear();
-        self.first_row = u32::MAX;
+impl Rows {
+    /// The rows that the outline lies in.
+    fn span(&mut self, outline: &[[f32; 2]], n_rows: usize) {
+        let lowest = outline.iter().map(|point| point[1]).fold(f32::INFINITY, f32::min);
+        let highest = outline.iter().map(|point| point[1]).fold(f32::NEG_INFINITY, f32::max);
         let n_rows = i32::try_from(n_rows).unwrap_or(i32::MAX);
-        let Some(&last) = self.outline.last() else { return };
+        self.first = ceil(lowest - 0.5).clamp(0, n_rows);
+        let end = ceil(highest - 0.5).clamp(self.first, n_rows);
+        self.counts.clear();
+        self.counts.resize((end - self.first) as usize, 0);
+    }
+
+    /// Collects the crossings of every row; false when a row has more than there is room for.
+    fn cross(&mut self, outline: &[[f32; 2]]) -> bool {
+        self.counts.fill(0);
+        self.crossings.resize(self.counts.len() * self.width, 0.0);
+        let end_row = self.first + self.counts.len() as i32;
+        let Some(&last) = outline.last() else { return true };
         let mut from = last;
-        for &to in &self.outline {
+        let mut most = 0;
+        for &to in outline {
             let (low, high) = if from[1] <= to[1] { (from, to) } else { (to, from) };
-            let first = ceil(low[1] - 0.5).max(0);
-            let end = ceil(high[1] - 0.5).min(n_rows);
+            // A row is crossed when its middle is: half open, so that chained edges cross it once.
+            let first = ceil(low[1] - 0.5).max(self.first);
+            let end = ceil(high[1] - 0.5).min(end_row);
             if first < end {
                 let slope = (high[0] - low[0]) / (high[1] - low[1]);
                 let begin_x = low[0] + (first as f32 + 0.5 - low[1]) * slope;
-                self.first_row = self.first_row.min(first as u32);
-                for k in 0..end - first {
-                    self.crossings.push(((first + k) as u32, begin_x + k as f32 * slope));
+                let begin = (first - self.first) as usize;
+                let crossed = &mut self.counts[begin..(end - self.first) as usize];
+                for (k, count) in crossed.iter_mut().enumerate() {
+                    if (*count as usize) < self.width {
+                        // Not added up: the last of many rows is as exact as the first.
+                        self.crossings[(begin + k) * self.width + *count as usize] =
+                            begin_x + k as f32 * slope;
+                    }
+                    *count += 1;
+                    most = most.max(*count);
                 }
             }
             from = to;
         }
+        most as usize <= self.width
     }
+}
 
-    /// Crossings of row `first_row + r` end up at `starts[r]..starts[r + 1]`.
-    fn sort_by_row(&mut self) {
-        let last_row = self.crossings.iter().map(|(row, _)| *row).max();
-        let n_rows = last_row.map_or(0, |last| last - self.first_row + 1) as usize;
-        self.starts.clear();
-        // Counted two places on, so that scattering by the place before leaves the starts behind.
-        self.starts.resize(n_rows + 2, 0);
-        for (row, _) in &self.crossings {
-            self.starts[(row - self.first_row) as usize + 2] += 1;
+/// Frees the cells between every second pair of crossings of each row.
+struct FreeBetween<'a> {
+    rows: &'a mut Rows,
+    cells: &'a mut [f32],
+    width: usize,
+    evidence: &'a Evidence,
+}
+
+impl Kernel for FreeBetween<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<V: Vectors>(self) {
+        let FreeBetween { rows, cells, width, evidence } = self;
+        let lines = cells.chunks_exact_mut(width).skip(rows.first as usize);
+        let crossings = rows.crossings.chunks_exact_mut(rows.width);
+        for ((line, crossings), count) in lines.zip(crossings).zip(&rows.counts) {
+            let Some(xs) = crossings.get_mut(..*count as usize) else { continue };
+            sort_few(xs);
+            for span in xs.chunks_exact(2) {
+                // A cell is inside when its middle is; half open, so that neighbors share no cell.
+                let first = ceil(span[0] - 0.5).max(0) as usize;
+                let last = (ceil(span[1] - 0.5).max(0) as usize).min(line.len());
+                let Some(span) = line.get_mut(first.min(last)..last) else { continue };
+                for cell in span {
+                    *cell = evidence.passed(*cell);
+                }
+            }
         }
-        let mut sum = 0;
-        for start in &mut self.starts {
-            sum += *start;
-            *start = sum;
+    }
+}
+
+/// Sorts the few crossings of a row by insertion.
+#[inline(always)]
+fn sort_few(xs: &mut [f32]) {
+    for end in 1..xs.len() {
+        let mut at = end;
+        while at > 0 && xs[at - 1] > xs[at] {
+            xs.swap(at - 1, at);
+            at -= 1;
         }
-        self.sorted.resize(self.crossings.len(), 0.0);
-        for (row, x) in &self.crossings {
-            let next = &mut self.starts[(row - self.first_row) as usize + 1];
-            self.sorted[*next as usize] = *x;
-            *next += 1;
-        }
-        self.starts.pop();
     }
 }
 

@@ -68,14 +68,16 @@ impl Evidence {
     }
 
     /// A cell after a beam passed it.
-    #[inline]
+    #[inline(always)]
     pub fn passed(&self, cell: f32) -> f32 {
-        (cell + self.free).max(self.least)
+        let freer = cell + self.free;
+        if freer < self.least { self.least } else { freer }
     }
 
     /// A cell after a beam ended in it.
-    #[inline]
+    #[inline(always)]
     pub fn hit(&self, cell: f32) -> f32 {
-        (cell + self.occupied).min(self.most)
+        let surer = cell + self.occupied;
+        if surer > self.most { self.most } else { surer }
     }
 }
