@@ -44,8 +44,8 @@ pub fn drive_and_keep(
         observers.extend(others.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
         engine.run(&mut observers, interrupt)
     };
-    let outcome = Outcome::new(pipeline, &metrics, &end, clock.elapsed());
-    let map = engine.view().map.clone();
+    let (wall, map) = (clock.elapsed(), engine.view().map.clone());
+    let outcome = Outcome::new(pipeline, &metrics, &end, &map, wall);
     let mut record = recorder.finish(pipeline, file, &map, config.to_owned());
     record.outcome = Some(outcome);
     Ok(Driven { record, map })

@@ -1,6 +1,7 @@
 //! The figures of one run, as `--json` prints them and saved runs keep them.
 
 use rumbo_core::engine::{EndReason, Metrics, Part, RunEnd};
+use rumbo_core::map::{Grid, Map};
 use rumbo_core::pipeline::Pipeline;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -43,6 +44,9 @@ pub struct Outcome {
     pub guard_interventions: u32,
     /// How often a stage failed.
     pub stage_failures: u32,
+    /// Free space on the map at the end, m².
+    #[serde(default)]
+    pub map_free_m2: Option<f64>,
     /// Steps of the engine.
     pub steps: u64,
     /// Time in the world over time on the wall.
@@ -54,7 +58,7 @@ pub struct Outcome {
 
 impl Outcome {
     /// The figures of a run that ended.
-    pub fn new(pipeline: &Pipeline, metrics: &Metrics, end: &RunEnd, wall: Duration) -> Outcome {
+    pub fn new(pipeline: &Pipeline, metrics: &Metrics, end: &RunEnd, map: &Map, wall: Duration) -> Outcome {
         let summary = metrics.summary(end.reason, end.detail.clone());
         let mut cpu: BTreeMap<String, f64> = Part::ALL
             .into_iter()
@@ -79,6 +83,7 @@ impl Outcome {
             replans: summary.replans,
             guard_interventions: summary.guard_interventions,
             stage_failures: summary.stage_failures,
+            map_free_m2: map.grid.as_ref().map(Grid::free_area_m2),
             steps: summary.steps,
             realtime_factor: (wall > Duration::ZERO).then(|| summary.time_s / wall.as_secs_f64()),
             cpu,

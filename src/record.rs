@@ -198,6 +198,7 @@ pub fn test_record() -> RunRecord {
             replans: 1,
             guard_interventions: 0,
             stage_failures: 0,
+            map_free_m2: Some(11.7),
             steps: 60,
             realtime_factor: Some(1234.5),
             cpu: Part::ALL.into_iter().map(|part| (format!("cpu_{}_s", part.name()), 0.25)).collect(),

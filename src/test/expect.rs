@@ -21,6 +21,8 @@ pub fn failures(expect: &Expect, outcome: &Outcome) -> Vec<String> {
         ("goal_error_m", outcome.goal_error_m, expect.goal_error_m),
         ("final_error_m", outcome.final_error_m, expect.final_error_m),
         ("rms_error_m", outcome.rms_error_m, expect.rms_error_m),
+        ("p95_error_m", outcome.p95_error_m, expect.p95_error_m),
+        ("map_free_m2", outcome.map_free_m2, expect.map_free_at_most_m2),
     ];
     for (name, found, limit) in at_most {
         let Some(limit) = limit else { continue };
@@ -41,6 +43,12 @@ pub fn failures(expect: &Expect, outcome: &Outcome) -> Vec<String> {
     {
         let found = outcome.min_clearance_m.map_or("not known".into(), |found| format!("{found:.4}"));
         failures.push(format!("min_clearance_m is {found}, expected at least {least_m}"));
+    }
+    if let Some(least_m2) = expect.map_free_at_least_m2
+        && outcome.map_free_m2.is_none_or(|found| found < least_m2)
+    {
+        let found = outcome.map_free_m2.map_or("not known".into(), |found| format!("{found:.1}"));
+        failures.push(format!("map_free_m2 is {found}, expected at least {least_m2}"));
     }
     let replans = outcome.replans;
     if expect.replans_at_least.is_some_and(|least| replans < least) {
@@ -68,6 +76,9 @@ mod tests {
             goal_error_m: Some(0.05),
             final_error_m: Some(0.022),
             rms_error_m: Some(0.022),
+            p95_error_m: Some(0.023),
+            map_free_at_least_m2: Some(11.7),
+            map_free_at_most_m2: Some(11.7),
             no_contact: true,
             min_clearance_m: Some(0.1),
             replans_at_least: Some(1),
@@ -85,6 +96,9 @@ mod tests {
             ("goal_error_m", Expect { goal_error_m: Some(0.04), ..Expect::default() }),
             ("final_error_m", Expect { final_error_m: Some(0.02), ..Expect::default() }),
             ("rms_error_m", Expect { rms_error_m: Some(0.02), ..Expect::default() }),
+            ("p95_error_m", Expect { p95_error_m: Some(0.02), ..Expect::default() }),
+            ("at least 12", Expect { map_free_at_least_m2: Some(12.0), ..Expect::default() }),
+            ("at most 11", Expect { map_free_at_most_m2: Some(11.0), ..Expect::default() }),
             ("min_clearance_m", Expect { min_clearance_m: Some(0.2), ..Expect::default() }),
             ("at least 2", Expect { replans_at_least: Some(2), ..Expect::default() }),
             ("at most 0", Expect { replans_at_most: Some(0), ..Expect::default() }),

@@ -215,6 +215,12 @@ impl Grid {
         (cols.start < cols.end).then_some((cols, rows))
     }
 
+    /// Floor that is free, m².
+    pub fn free_area_m2(&self) -> f64 {
+        let n_free = self.cells.iter().filter(|cell| self.class_of(**cell) == CellClass::Free).count();
+        n_free as f64 * self.header.resolution_m * self.header.resolution_m
+    }
+
     /// Marks every cell that a disc touches, and in any case the one its middle lies in, as occupied.
     pub fn occupy_disc(&mut self, middle: Point2, radius_m: f64) {
         let in_grid = self.grid_from_map * middle / self.header.resolution_m;

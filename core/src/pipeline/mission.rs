@@ -126,6 +126,15 @@ pub struct Expect {
     /// Root mean square of the distance from estimate to truth at the most, meters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_error_m: Option<f64>,
+    /// 95 % of the distances from estimate to truth are at most this, meters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p95_error_m: Option<f64>,
+    /// Free space on the map at the end at the least, m².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_free_at_least_m2: Option<f64>,
+    /// Free space on the map at the end at the most, m².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub map_free_at_most_m2: Option<f64>,
     /// The hull touches nothing.
     pub no_contact: bool,
     /// Hull to obstacle at the least, meters.
