@@ -77,9 +77,19 @@ impl ScanShape {
         for (idx, reading) in scan.ranges_m.make_mut().iter_mut().enumerate() {
             let nominal_rad = self.first_bearing_rad + self.bearing_step_rad * idx as f64;
             let bearing_rad = nominal_rad + noise.bearing_error_rad(rng);
-            match world.probe(&self.probe(seat, bearing_rad, 1))? {
+            let answer = match world.probe(&self.probe(seat, bearing_rad, 1)) {
+                Err(unanswered @ WorldError::Unsupported { .. }) => {
+                    return seat.ask_recording(world, unanswered, out).map(|()| Scanned::Recorded);
+                }
+                answer => answer?,
+            };
+            match answer {
                 Answer::Ranges([exact_m]) => {
                     *reading = self.reading(*exact_m, &mut |exact| noise.read(exact, rng))
+                }
+                Answer::Recorded(recorded) => {
+                    seat.pass_on(recorded, out);
+                    return Ok(Scanned::Recorded);
                 }
                 other => return Err(SensorError::WrongAnswer { expected: "beams", found: other.name() }),
             }
