@@ -24,7 +24,9 @@ pub fn entries(stage: Stage) -> Vec<Arc<Entry>> {
 fn keys(entry: &Entry) -> toml::Table {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/logs/corridor.clf");
     match (entry.stage, entry.name.as_str()) {
-        (Stage::World, "log") => toml::Table::from_iter([("file".to_owned(), file.into())]),
+        (Stage::World, "log") | (Stage::Localizer, "recorded_pose") => {
+            toml::Table::from_iter([("file".to_owned(), file.into())])
+        }
         _ => toml::Table::new(),
     }
 }
@@ -35,8 +37,7 @@ where
     T::Error: std::fmt::Debug,
 {
     let build = || {
-        let configured =
-            entry.source.parse(keys(entry)).unwrap_or_else(|f| panic!("{entry:?}: {f:?}"));
+        let configured = entry.source.parse(keys(entry)).unwrap_or_else(|f| panic!("{entry:?}: {f:?}"));
         assert!(
             configured.check().is_empty(),
             "{entry:?}: the defaults are refused: {:?}",

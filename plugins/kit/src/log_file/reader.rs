@@ -28,7 +28,13 @@ pub(super) struct Desk {
 
 impl Desk {
     /// The scan whose ranges were just read.
-    pub fn scan(&mut self, side: LaserSide, stamp: Time, rule: &BeamRule, odom_from_base: Pose2) -> RecordedScan {
+    pub fn scan(
+        &mut self,
+        side: LaserSide,
+        stamp: Time,
+        rule: &BeamRule,
+        odom_from_base: Pose2,
+    ) -> RecordedScan {
         rule.open(&mut self.ranges_m);
         let ranges_m = pooled(&mut self.pool, &self.ranges_m);
         let BeamRule { first_bearing_rad, bearing_step_rad, max_range_m, .. } = *rule;
@@ -130,7 +136,8 @@ impl LogReader {
             }
             (None, None, None) => format!("{} empty lines and comments", self.lines.number),
         };
-        let expected = "a CARMEN log (FLASER, RLASER, ROBOTLASER1, ODOM, VERTEX2, PARAM) or a Wean Hall log (L, O)";
+        let expected =
+            "a CARMEN log (FLASER, RLASER, ROBOTLASER1, ODOM, VERTEX2, PARAM) or a Wean Hall log (L, O)";
         LogError::NoRecords { path: self.path.clone(), found, expected }
     }
 
@@ -157,7 +164,9 @@ impl LogReader {
                 }
                 Some(record) => return Some(record),
                 // A file of another kind is not read to its end.
-                None if self.n_records == 0 && self.lines.number >= Self::MOST_LINES_BEFORE_FIRST => return None,
+                None if self.n_records == 0 && self.lines.number >= Self::MOST_LINES_BEFORE_FIRST => {
+                    return None;
+                }
                 None => {}
             }
         }
@@ -191,7 +200,9 @@ impl LogReader {
             }
             Some(Err(_)) | None if is_unfinished => {
                 let found = match told {
-                    Some(Err(fault)) => format!("{} is {}, expected {}", fault.field, fault.found, fault.expected),
+                    Some(Err(fault)) => {
+                        format!("{} is {}, expected {}", fault.field, fault.found, fault.expected)
+                    }
                     _ => format!("it ends with {} and without a line end", shown(&self.lines.bytes)),
                 };
                 self.tally.damage = Some(Damage { line, is_truncated: true, found });

@@ -143,7 +143,9 @@ impl Timeline {
     fn close(&mut self) {
         self.rival.take().iter().for_each(|rival| self.tally.count_stray(rival.line));
         match self.candidate.take() {
-            Some(last) if self.newest.is_none_or(|newest| last.stamp - newest <= Self::LONE) => self.hold(last),
+            Some(last) if self.newest.is_none_or(|newest| last.stamp - newest <= Self::LONE) => {
+                self.hold(last)
+            }
             Some(stray) => self.tally.count_stray(stray.line),
             None => {}
         }

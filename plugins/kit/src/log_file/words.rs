@@ -111,17 +111,11 @@ impl<'a> Words<'a> {
     }
 
     /// `n` numbers of at least zero (times `scale`), into `out`; infinite and not-a-number go on as they are.
-    pub fn beams(
-        &mut self,
-        field: &str,
-        n: usize,
-        scale: f64,
-        out: &mut Vec<f32>,
-    ) -> Result<(), LineFault> {
+    pub fn beams(&mut self, field: &str, n: usize, scale: f64, out: &mut Vec<f32>) -> Result<(), LineFault> {
         out.clear();
         for idx in 0..n {
             let value = match self.next().map(|word| (word, number(word))) {
-                Some((_, Some(value))) if !(value < 0.0) => value,
+                Some((_, Some(value))) if value.is_nan() || value >= 0.0 => value,
                 Some((_, Some(value))) => {
                     let field = format!("{field}[{idx}]");
                     let expected = "a number of at least 0";

@@ -59,7 +59,10 @@ impl Localizer for RecordedPose {
     fn start(&mut self, prior: &Prior, _map: &Map) -> Result<(), LocalizeError> {
         prior.check()?;
         if let Prior::Saved(_) = prior {
-            return Err(LocalizeError::Prior { prior: "a saved state", needs: "nothing: poses are recorded" });
+            return Err(LocalizeError::Prior {
+                prior: "a saved state",
+                needs: "nothing: poses are recorded",
+            });
         }
         (self.odom_from_base, self.last) = (None, None);
         Ok(())
@@ -103,7 +106,9 @@ impl Plugin<dyn Localizer> for RecordedPoseParams {
         let own = self.file.as_ref().map(|file| context.resolve(file));
         let Some(path) = own.as_deref().or(recording) else {
             let message = "is missing, and the world plays no recording; expected a file of poses";
-            return Err(BuildError::at("file", message).help("lines of `t x y theta`, or a log with poses inside"));
+            return Err(
+                BuildError::at("file", message).help("lines of `t x y theta`, or a log with poses inside")
+            );
         };
         let at_file = |error: LogError| BuildError::at("file", error.to_string());
         let origin = match recording {
@@ -124,12 +129,16 @@ impl RecordedPoseParams {
         }
         let poses = read_poses(path).map_err(|error| BuildError::at("file", error.to_string()))?;
         if let (Some(_), Some(damage)) = (&self.file, &poses.tally.damage) {
-            return Err(BuildError::at("file", format!("{}: {damage}", path.display())).help("copy the file again"));
+            return Err(
+                BuildError::at("file", format!("{}: {damage}", path.display())).help("copy the file again")
+            );
         }
         if let Some((last, _)) = poses.track.last().filter(|(last, _)| *last < origin) {
             let (last_s, origin_s) = (last.as_secs(), origin.as_secs());
-            let message =
-                format!("{}: the last pose is of {last_s:.6} s, but the log begins at {origin_s:.6} s", path.display());
+            let message = format!(
+                "{}: the last pose is of {last_s:.6} s, but the log begins at {origin_s:.6} s",
+                path.display()
+            );
             return Err(BuildError::at("file", message).help("stamps of poses are absolute, as in the log"));
         }
         Ok(poses.track)

@@ -53,7 +53,12 @@ fn x_at(localizer: &mut dyn Localizer, seconds: f64) -> (Status, f64, f64) {
 fn an_estimate_has_the_stamp_and_the_pose_of_its_scan() {
     let mut localizer = follower(false);
     let odom = pose2(-4.0, 1.0, 0.3);
-    let seen = [odometry(0.9, pose2(7.0, 7.0, 0.0)), scan(1.0), odometry(1.0, odom), odometry(1.05, pose2(9.0, 9.0, 0.0))];
+    let seen = [
+        odometry(0.9, pose2(7.0, 7.0, 0.0)),
+        scan(1.0),
+        odometry(1.0, odom),
+        odometry(1.05, pose2(9.0, 9.0, 0.0)),
+    ];
     let estimate = update(&mut localizer, 1.05, &seen);
     assert_eq!((estimate.stamp, estimate.status), (Time::from_secs(1.0), Status::Tracking));
     assert_eq!(estimate.pose2(), pose2(1.0, 0.5, 0.0));

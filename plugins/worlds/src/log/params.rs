@@ -119,7 +119,8 @@ impl Params for LogParams {
         ];
         for (key, value, least) in bearings {
             if let Some(value) = value.filter(|value| !(least..=360.0).contains(&value.abs())) {
-                let message = format!("is {value}, expected an angle of at most 360 degrees, and a step not of zero");
+                let message =
+                    format!("is {value}, expected an angle of at most 360 degrees, and a step not of zero");
                 faults.push(BuildError::at(key, message));
             }
         }

@@ -99,7 +99,9 @@ impl Playback {
         if self.ahead.is_empty() {
             return Ok(Advance::Ended);
         }
-        while let Some(moment) = self.ahead.pop_front_if(|moment| moment.stamp <= absolute(&self.timeline, to)) {
+        while let Some(moment) =
+            self.ahead.pop_front_if(|moment| moment.stamp <= absolute(&self.timeline, to))
+        {
             self.deliver(moment);
             self.read_ahead();
         }
@@ -142,7 +144,8 @@ impl Playback {
     /// True poses lie on both sides of the present: so much of the log is read ahead.
     fn read_ahead(&mut self) {
         while !self.is_read {
-            let span = self.ahead.front().zip(self.ahead.back()).map(|(first, last)| last.stamp - first.stamp);
+            let span =
+                self.ahead.front().zip(self.ahead.back()).map(|(first, last)| last.stamp - first.stamp);
             if span.is_some_and(|span| span > KnownTruth::GAP) {
                 return;
             }
@@ -163,12 +166,15 @@ impl Playback {
 
     fn end(&mut self) {
         self.is_read = true;
-        let sentences = self.timeline.tally().sentences().into_iter().chain(self.timeline.order().sentences());
+        let sentences =
+            self.timeline.tally().sentences().into_iter().chain(self.timeline.order().sentences());
         for sentence in sentences.collect::<Vec<String>>() {
             self.notify(&sentence);
         }
         if self.truth.is_useless() {
-            self.notify("no true pose is near any stamp of the log; stamps of `truth` are absolute, as in the log");
+            self.notify(
+                "no true pose is near any stamp of the log; stamps of `truth` are absolute, as in the log",
+            );
         }
     }
 
@@ -204,7 +210,8 @@ fn observation(stamp: Time, data: Data) -> Observation {
 }
 
 fn laser_scan(scan: RecordedScan) -> LaserScan {
-    let intensities = if scan.intensities.len() == scan.ranges_m.len() { scan.intensities } else { Buffer::empty() };
+    let intensities =
+        if scan.intensities.len() == scan.ranges_m.len() { scan.intensities } else { Buffer::empty() };
     LaserScan {
         first_bearing_rad: scan.first_bearing_rad,
         bearing_step_rad: scan.bearing_step_rad,

@@ -6,9 +6,7 @@ use std::path::{Path, PathBuf};
 use rumbo_core::frames::{Pose2, pose2};
 use rumbo_core::messages::Command;
 use rumbo_core::registry::{Params, Plugin};
-use rumbo_core::stages::{
-    Advance, Answer, BuildContext, BuildError, Drove, Probe, Truth, World, WorldError,
-};
+use rumbo_core::stages::{Advance, Answer, BuildContext, BuildError, Drove, Probe, Truth, World, WorldError};
 use rumbo_core::time::Time;
 use rumbo_kit::log_file::{Timeline, read_poses};
 
@@ -16,7 +14,11 @@ use super::params::{LogParams, RecordedChannel, TRUTH_INSIDE};
 use super::playback::Playback;
 use super::truth::KnownTruth;
 
-rumbo_core::register_world!(LogParams, "log", "a recorded robot log: CARMEN or Wean Hall, plain or gzip, of any size");
+rumbo_core::register_world!(
+    LogParams,
+    "log",
+    "a recorded robot log: CARMEN or Wean Hall, plain or gzip, of any size"
+);
 
 /// A recording.
 #[derive(Debug)]
@@ -35,8 +37,8 @@ impl Plugin<dyn World> for LogParams {
             return Err(fault);
         }
         let file = context.resolve(&self.file);
-        let timeline = Timeline::open(&file, self.known())
-            .map_err(|error| BuildError::at("file", error.to_string()))?;
+        let timeline =
+            Timeline::open(&file, self.known()).map_err(|error| BuildError::at("file", error.to_string()))?;
         let map_file = self.map.as_ref().map(|map| context.resolve(map));
         if let Some(map) = map_file.as_ref().filter(|map| !map.is_file()) {
             return Err(BuildError::at("map", format!("{}: there is no such file", map.display())));
@@ -73,7 +75,8 @@ impl LogParams {
             );
             return Err(BuildError::at("truth", message).help("stamps of poses are absolute, as in the log"));
         }
-        sentences.extend(poses.tally.sentences().iter().map(|sentence| format!("{}: {sentence}", path.display())));
+        sentences
+            .extend(poses.tally.sentences().iter().map(|sentence| format!("{}: {sentence}", path.display())));
         Ok(KnownTruth::of_file(&poses.track, origin))
     }
 
@@ -81,7 +84,8 @@ impl LogParams {
         if let Some(start) = self.start {
             return Some(pose2(start.x_m, start.y_m, start.yaw_deg.to_radians()));
         }
-        let first = playback.truth().first().filter(|(time, _)| (*time - Time::ZERO).0.abs() <= KnownTruth::GAP.0);
+        let first =
+            playback.truth().first().filter(|(time, _)| (*time - Time::ZERO).0.abs() <= KnownTruth::GAP.0);
         let begins_its_own_map = self.map.is_none();
         first.map(|(_, pose)| pose).or_else(|| playback.first_odometry().filter(|_| begins_its_own_map))
     }
@@ -106,7 +110,8 @@ impl LogWorld {
 
     /// What a sensor gets that did not say its name: nothing where the pipeline tells sensors apart by name.
     fn unnamed(&self, probe: &Probe<'_>) -> Option<RecordedChannel> {
-        let is_named = |is_it: fn(RecordedChannel) -> bool| self.channels.values().any(|channel| is_it(*channel));
+        let is_named =
+            |is_it: fn(RecordedChannel) -> bool| self.channels.values().any(|channel| is_it(*channel));
         match probe {
             Probe::Beams { .. } if !is_named(|channel| channel != RecordedChannel::Odometry) => {
                 self.playback.only_laser()

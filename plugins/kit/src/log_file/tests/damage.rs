@@ -5,7 +5,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// A small log with every message.
 fn small_log() -> String {
     let ranges = vec!["99"; 180].join(" ");
-    let robot = "ROBOTLASER1 0 -1.5 3.0 0.01 50.0 0.1 0 3 1 60 2 3 7 8 9 1 2 0.1 3 4 0.2 0.3 -0.4 0 0 0 4.5 x 700\n";
+    let robot =
+        "ROBOTLASER1 0 -1.5 3.0 0.01 50.0 0.1 0 3 1 60 2 3 7 8 9 1 2 0.1 3 4 0.2 0.3 -0.4 0 0 0 4.5 x 700\n";
     format!(
         "PARAM a b c 0\n{}{}VERTEX2 1 2 3 0.1\n{robot}EDGE2 0 1 1.5 0.5 0.1 1 0 1 2 0 0\nO 1 2 0.5 5.125\n\
          L 1 2 0.5 1 2 0.5 {ranges} 5.25\n{}",

@@ -89,7 +89,8 @@ fn the_pose_of_a_vertex_belongs_to_the_next_scan_only() {
 
 #[test]
 fn odometry_parameters_marks_and_unknown_messages_are_told_apart() {
-    let text = "PARAM robot_laser on nohost 0\nSYNC a b c\nODOM 1 2 3 0.5 -0.25 0 10.5 nohost 0\nNEFF 30\nNEFF 29\n";
+    let text =
+        "PARAM robot_laser on nohost 0\nSYNC a b c\nODOM 1 2 3 0.5 -0.25 0 10.5 nohost 0\nNEFF 30\nNEFF 29\n";
     let (records, faults, tally) = read(text.as_bytes());
     assert_eq!(faults, []);
     assert_eq!(records[0].told, Told::Parameter { name: "robot_laser".into(), value: "on".into() });

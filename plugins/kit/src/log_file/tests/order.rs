@@ -14,13 +14,17 @@ fn odoms(stamps: &[f64]) -> String {
 
 #[test]
 fn records_a_little_out_of_order_are_sorted_and_their_steps_counted() {
-    let text = format!("{}{}{}{}", odom(0.0, 1.0), odom(0.0, 1.2), flaser(3, "1.1"), odom(0.0, 1.15)) + &odom(0.0, 9.0);
+    let text = format!("{}{}{}{}", odom(0.0, 1.0), odom(0.0, 1.2), flaser(3, "1.1"), odom(0.0, 1.15))
+        + &odom(0.0, 9.0);
     let (stamps, timeline) = play(&text);
     assert_eq!(stamps, [1.0, 1.1, 1.15, 1.2, 9.0]);
     assert_eq!(timeline.origin(), Time::from_secs(1.0));
     let order = timeline.order();
     assert_eq!((order.front_laser.n, order.odometry.n, order.odometry.first_line), (0, 1, 4));
-    assert_eq!(order.sentences(), ["odometry: stamps step backward 1 times, first in line 4, at most 0.050 s"]);
+    assert_eq!(
+        order.sentences(),
+        ["odometry: stamps step backward 1 times, first in line 4, at most 0.050 s"]
+    );
 }
 
 #[test]

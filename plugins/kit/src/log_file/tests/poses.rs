@@ -13,14 +13,20 @@ fn a_file_of_poses_is_read_whatever_else_stands_in_its_lines() {
     for bytes in [text.as_bytes().to_vec(), gzip(text.as_bytes())] {
         let found = poses(&bytes).unwrap();
         assert_eq!(found.track.len(), 2);
-        assert_eq!(found.track.first(), Some((Time::from_secs(976_053_557.767_368), pose2(4.78, -5.84, -1.69))));
+        assert_eq!(
+            found.track.first(),
+            Some((Time::from_secs(976_053_557.767_368), pose2(4.78, -5.84, -1.69)))
+        );
         assert_eq!(found.tally.n_faults(), 1);
     }
     let cut = poses(&text.as_bytes()[..text.len() - 6]).unwrap();
     assert_eq!(cut.tally.damage.map(|damage| (damage.line, damage.is_truncated)), Some((3, true)));
     assert_eq!(cut.track.len(), 1, "the cut may go through a number");
     let error = poses(b"one two\n").unwrap_err().to_string();
-    assert!(error.contains("no pose (skipped 1 line with no number, first line 1: pose.t is `one`"), "{error}");
+    assert!(
+        error.contains("no pose (skipped 1 line with no number, first line 1: pose.t is `one`"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -28,7 +34,8 @@ fn the_poses_inside_a_log_are_those_of_its_vertices_or_laser_messages() {
     let laser = |t| format!("ROBOTLASER1 0 -1.5 3 0.01 50 0.1 0 1 1 0 0 0 0 5 6 0.7 0 0 0 0 0 {t} x 0\n");
     let text = format!("VERTEX2 0 7 8 0.9\n{}{}", laser(1.0), flaser(3, "2.0"));
     let found: Vec<_> = poses(text.as_bytes()).unwrap().track.iter().collect();
-    let expected = [(Time::from_secs(1.0), pose2(7.0, 8.0, 0.9)), (Time::from_secs(2.0), pose2(1.0, 2.0, 0.5))];
+    let expected =
+        [(Time::from_secs(1.0), pose2(7.0, 8.0, 0.9)), (Time::from_secs(2.0), pose2(1.0, 2.0, 0.5))];
     assert_eq!(found, expected);
 }
 

@@ -120,7 +120,8 @@ fn names_are_respected_where_the_pipeline_gives_them_or_the_log_has_two_lasers()
     let file = TempFile::new(&drive_text());
     let channels = BTreeMap::from([("laser".to_owned(), RecordedChannel::FrontLaser)]);
     let mut world = build(&LogParams { file: file.0.clone(), channels, ..LogParams::default() });
-    let unsupported = |answer: Result<Answer<'_>, WorldError>| matches!(answer, Err(WorldError::Unsupported { .. }));
+    let unsupported =
+        |answer: Result<Answer<'_>, WorldError>| matches!(answer, Err(WorldError::Unsupported { .. }));
     assert!(unsupported(world.probe(&BEAMS)));
     assert!(unsupported(world.probe(&Probe::Channel { name: "lasr" })));
     assert!(unsupported(world.probe(&Probe::Contacts)));
@@ -188,10 +189,14 @@ fn the_start_is_what_was_given_else_the_odometer_s_where_no_map_says_otherwise()
 
 #[test]
 fn damage_skips_and_steps_are_told_once_each() {
-    let text = drive_text() + "FLASER x\nFLASER 3 1\nNEFF 3\n" + &odom(9.7, 976_052_866.2) + &flaser(9.0, 976_052_866.1);
+    let text = drive_text()
+        + "FLASER x\nFLASER 3 1\nNEFF 3\n"
+        + &odom(9.7, 976_052_866.2)
+        + &flaser(9.0, 976_052_866.1);
     let half = flaser(10.0, 976_052_867.0);
     let file = TempFile::new(&(text + &odom(9.9, 976_052_866.8) + &half[..30]));
-    let mut world = build(&LogParams { file: file.0.clone(), bearing_step_deg: Some(1.0), ..LogParams::default() });
+    let mut world =
+        build(&LogParams { file: file.0.clone(), bearing_step_deg: Some(1.0), ..LogParams::default() });
     let (scans, notices) = play(world.as_mut(), &BEAMS);
     assert_eq!(scans.len(), 11);
     let place = file.0.display().to_string();
@@ -211,21 +216,28 @@ fn damage_skips_and_steps_are_told_once_each() {
 #[test]
 fn a_truth_that_never_fits_is_told() {
     let (log, truth) = (TempFile::new(&drive_text()), TempFile::new("976152858 1 1 0\n976152859 2 1 0\n"));
-    let params =
-        LogParams { file: log.0.clone(), truth: Some(truth.0.clone()), bearing_step_deg: Some(1.0), ..LogParams::default() };
+    let params = LogParams {
+        file: log.0.clone(),
+        truth: Some(truth.0.clone()),
+        bearing_step_deg: Some(1.0),
+        ..LogParams::default()
+    };
     let (_, notices) = play(build(&params).as_mut(), &BEAMS);
     assert!(notices.len() == 1 && notices[0].contains("no true pose is near any stamp"), "{notices:?}");
     std::fs::write(&truth.0, "1.0 1 1 0\n").unwrap();
     let error = params.build(&BuildContext::bare("world")).err().unwrap();
     assert_eq!(error.path, "truth");
-    assert!(error.message.contains("the last pose is of 1.000000 s, but the log begins at 976052857.000000 s"));
+    assert!(
+        error.message.contains("the last pose is of 1.000000 s, but the log begins at 976052857.000000 s")
+    );
 }
 
 #[test]
 fn a_channel_of_the_pipeline_that_the_log_lacks_is_told() {
     let file = TempFile::new(&drive_text());
     let channels = BTreeMap::from([("back".to_owned(), RecordedChannel::RearLaser)]);
-    let params = LogParams { file: file.0.clone(), channels, bearing_step_deg: Some(1.0), ..LogParams::default() };
+    let params =
+        LogParams { file: file.0.clone(), channels, bearing_step_deg: Some(1.0), ..LogParams::default() };
     let (_, notices) = play(build(&params).as_mut(), &Probe::Channel { name: "back" });
     assert_eq!(notices.len(), 1, "{notices:?}");
     assert!(notices[0].ends_with("channels.back is rear_laser, which this log does not have"), "{notices:?}");
