@@ -58,6 +58,11 @@ fn gaps_are_no_faults() {
         assert_eq!(play(&odoms(&stamps)).0, stamps, "{step}");
     }
     assert_eq!(play(&odoms(&[1.0, 1.1, 9000.0, 9000.1])).0, [1.0, 1.1, 9000.0, 9000.1]);
+    assert_eq!(
+        play(&odoms(&[10.0, 10.1, 60.0, 0.5, 60.1])).0,
+        [10.0, 10.1, 60.0, 60.1],
+        "a wrong stamp behind a gap"
+    );
     // Keyframes seconds apart whose clock jitters by nearly a second, as in the graph of the Intel log.
     assert_eq!(play(&odoms(&[1.0, 3.9, 3.1, 5.0])).0, [1.0, 3.1, 3.9, 5.0]);
 }

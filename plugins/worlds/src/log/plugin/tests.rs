@@ -93,6 +93,7 @@ fn a_log_plays_at_its_own_stamps_from_zero_and_then_ends() {
     let Data::LaserScan(scan) = &scans[3].data else { panic!("a scan") };
     assert_eq!(scan.ranges_m.as_slice(), [1.0, 2.0, f32::INFINITY]);
     assert_eq!(world.now(), Time::from_secs(9.5), "the end is where the last record is");
+    assert_eq!(world.next_recorded(), Some(world.now()), "the end is due at once");
     assert!(notices.len() == 1 && notices[0].contains("180 degrees in all is a guess"), "{notices:?}");
     // Odometry comes from both kinds of lines, and its velocity from their differences.
     let (odometry, _) = play(build(&params).as_mut(), &Probe::Wheels);
@@ -163,7 +164,11 @@ fn truth_is_interpolated_over_short_gaps_and_unknown_elsewhere() {
 
 #[test]
 fn truth_inside_the_log_is_the_pose_beside_the_odometer_s() {
-    let file = TempFile::new(&drive_text());
+    let between: String = (1..95).map(|k| odom(0.0, 976_052_857.02 + 0.1 * f64::from(k))).collect();
+    let mut lines: Vec<String> =
+        (drive_text() + &between).lines().map(|line| line.to_owned() + "\n").collect();
+    lines.sort_by_key(|line| line.split(' ').rev().nth(2).map(str::to_owned));
+    let file = TempFile::new(&lines.concat());
     let truth = Some(PathBuf::from(TRUTH_INSIDE));
     let mut world = build(&LogParams { file: file.0.clone(), truth, ..LogParams::default() });
     assert_eq!(world.start(), Some(pose2(10.0, 7.0, 0.0)));
