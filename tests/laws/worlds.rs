@@ -3,7 +3,7 @@
 use crate::{entries, twins};
 use rumbo_core::frames::{Pose3, Twist, is_finite3};
 use rumbo_core::map::Map;
-use rumbo_core::messages::{Check, Command, Observations};
+use rumbo_core::messages::{Check, Command, ObservationKind, Observations};
 use rumbo_core::registry::Stage;
 use rumbo_core::stages::{Advance, BuildContext, Cx, MapBuilder, Probe, Sensor, World, WorldError};
 use rumbo_core::time::Time;
@@ -88,6 +88,30 @@ fn every_sensor_reads_the_simulator_and_gives_messages_that_pass_their_own_check
         };
         let text = |seen: Vec<_>| format!("{seen:?}");
         assert_eq!(text(read(&mut one)), text(read(&mut other)), "{entry:?}: same seed, other readings");
+    }
+}
+
+#[test]
+fn lasers_and_wheels_pass_on_a_recording_as_it_is() {
+    let log = entries(Stage::World).into_iter().find(|entry| entry.name == "log").unwrap();
+    for entry in entries(Stage::Sensor) {
+        let manifest = entry.source.parse(toml::Table::new()).ok().unwrap().manifest();
+        let n_recorded = match manifest.produces.as_slice() {
+            [ObservationKind::LaserScan] => 13,
+            [ObservationKind::Odometry] => 26,
+            _ => continue,
+        };
+        let (mut world, _): (Box<dyn World>, Box<dyn World>) = twins(&log, &context("world"));
+        let (mut sensor, _): (Box<dyn Sensor>, Box<dyn Sensor>) = twins(&entry, &context("sensor"));
+        let (trace, mut out) = (Trace::unwatched(), Observations::default());
+        while let Ok(Advance::Reached(now)) = world.advance(world.next_recorded().unwrap()) {
+            let polled = sensor.poll(&mut Cx { now, trace: &trace }, world.as_mut(), &mut out);
+            polled.unwrap_or_else(|e| panic!("{entry:?}: {e}"));
+        }
+        let stamps: Vec<Time> = out.iter().map(|observation| observation.stamp).collect();
+        assert_eq!(stamps.len(), n_recorded, "{entry:?}");
+        assert!(stamps.is_sorted() && stamps.first() == Some(&Time::ZERO), "{entry:?}: {stamps:?}");
+        assert!(out.iter().all(|observation| observation.check().is_ok()), "{entry:?}");
     }
 }
 

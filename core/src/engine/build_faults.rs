@@ -53,9 +53,9 @@ fn one_by_one(mut builder: Builder<'_>, is_sound: &impl Fn(&str) -> bool, errors
         try_build(builder, spec, SensorId(0), Pose3::identity(), is_sound, errors);
     };
     let finders = [&pipeline.odometer, &pipeline.localizer, &pipeline.relocalizer, &pipeline.slam];
-    finders.into_iter().flatten().for_each(|spec| here(&builder, spec, errors));
-    // Without its world a builder would look for the world's map in vain.
+    // Without their world they would look for its map and its recording in vain.
     if has_world {
+        finders.into_iter().flatten().for_each(|spec| here(&builder, spec, errors));
         map_builders(&builder, is_sound, errors);
     }
     let movers = [&pipeline.planner, &pipeline.planner_fallback, &pipeline.avoider];

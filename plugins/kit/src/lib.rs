@@ -1,4 +1,5 @@
-//! What several Rumbo plugins share: ray casting, distance fields, grid search, map and world files.
+//! What several Rumbo plugins share: ray casting, distance fields, grid search, map and world files, robot
+//! logs.
 //!
 //! The grid kernels work on plain slices and sizes in cells, so they can be used without the framework.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]

@@ -5,10 +5,12 @@ use std::collections::VecDeque;
 use rumbo_core::frames::{Pose2, Twist, wrap_angle};
 use rumbo_core::time::{Span, Time};
 
+type StampedPose = (Time, Pose2);
+
 /// Poses sorted by their stamps.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PoseTrack {
-    poses: VecDeque<(Time, Pose2)>,
+    poses: VecDeque<StampedPose>,
 }
 
 impl PoseTrack {
@@ -84,7 +86,7 @@ impl PoseTrack {
     }
 
     /// The last pose at or before `stamp`, and the first after it.
-    fn around(&self, stamp: Time) -> (Option<(Time, Pose2)>, Option<(Time, Pose2)>) {
+    fn around(&self, stamp: Time) -> (Option<StampedPose>, Option<StampedPose>) {
         let after = self.poses.partition_point(|(t, _)| *t <= stamp);
         let before = after.checked_sub(1).and_then(|idx| self.poses.get(idx));
         (before.copied(), self.poses.get(after).copied())

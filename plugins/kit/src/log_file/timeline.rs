@@ -45,6 +45,8 @@ pub struct Timeline {
     held: BTreeMap<(Time, u64), Moment>,
     newest: Option<Time>,
     candidate: Option<Moment>,
+    /// The first record, where the second contradicts it and the third has to say which of them is right.
+    rival: Option<Moment>,
     released: [Option<Time>; 3],
     origin: Time,
     tally: OrderTally,
@@ -71,6 +73,7 @@ impl Timeline {
             held: BTreeMap::new(),
             newest: None,
             candidate: None,
+            rival: None,
             released: [None; 3],
             origin: Time::ZERO,
             tally: OrderTally::default(),
@@ -131,17 +134,20 @@ impl Timeline {
                     }
                 }
                 Some(Err(_)) => {}
-                None => {
-                    match self.candidate.take() {
-                        Some(last) if self.newest.is_none_or(|newest| last.stamp - newest <= Self::LONE) => {
-                            self.hold(last);
-                        }
-                        Some(stray) => self.tally.count_stray(stray.line),
-                        None => {}
-                    }
-                    break;
-                }
+                None => return self.close(),
             }
+        }
+    }
+
+    /// The log is over: nothing confirms or contradicts its last record any more.
+    fn close(&mut self) {
+        self.rival.take().iter().for_each(|rival| self.tally.count_stray(rival.line));
+        match self.candidate.take() {
+            Some(last) if self.newest.is_none_or(|newest| last.stamp - newest <= Self::LONE) => {
+                self.hold(last)
+            }
+            Some(stray) => self.tally.count_stray(stray.line),
+            None => {}
         }
     }
 
@@ -155,12 +161,15 @@ impl Timeline {
     fn judge(&mut self, moment: Moment) {
         let stamp = moment.stamp;
         let is_near = |newest: Time| (stamp - newest).0.abs() <= Self::WINDOW.0;
+        self.settle_first(stamp);
         if let Some(odd) = self.candidate.take() {
             if self.follows(&odd, stamp) {
                 self.hold(odd);
             } else if self.newest.is_some_and(|newest| stamp < newest && !is_near(newest)) {
                 // This one is behind both: it is the odd one itself.
                 self.candidate = Some(odd);
+            } else if self.newest.is_none() {
+                self.rival = Some(odd);
             } else {
                 self.tally.count_stray(odd.line);
             }
@@ -169,6 +178,19 @@ impl Timeline {
             Some(newest) if is_near(newest) => self.hold(moment),
             Some(newest) if stamp < newest => self.tally.count_stray(moment.line),
             _ => self.candidate = Some(moment),
+        }
+    }
+
+    /// Decides between the first two records, by a third.
+    fn settle_first(&mut self, stamp: Time) {
+        let Some(first) = self.rival.take() else { return };
+        let second_fits = self.candidate.as_ref().is_some_and(|second| self.follows(second, stamp));
+        let is_near = (stamp - first.stamp).0.abs() <= Self::WINDOW.0;
+        if is_near || self.follows(&first, stamp) && !second_fits {
+            self.candidate.take().iter().for_each(|second| self.tally.count_stray(second.line));
+            self.hold(first);
+        } else {
+            self.tally.count_stray(first.line);
         }
     }
 

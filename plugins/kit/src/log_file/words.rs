@@ -115,7 +115,7 @@ impl<'a> Words<'a> {
         out.clear();
         for idx in 0..n {
             let value = match self.next().map(|word| (word, number(word))) {
-                Some((_, Some(value))) if !(value < 0.0) => value,
+                Some((_, Some(value))) if value.is_nan() || value >= 0.0 => value,
                 Some((_, Some(value))) => {
                     let field = format!("{field}[{idx}]");
                     let expected = "a number of at least 0";

@@ -121,6 +121,12 @@ impl Playback {
         channel.take(&mut self.lent)
     }
 
+    /// This channel had anything so far.
+    pub fn has_seen(&self, channel: RecordedChannel) -> bool {
+        let found = RecordedChannel::ALL.into_iter().zip(&self.channels).find(|(other, _)| *other == channel);
+        found.is_some_and(|(_, channel)| channel.n_seen > 0)
+    }
+
     /// What people should know, each thing once.
     pub fn take_notice(&mut self) -> Option<String> {
         self.notices.pop_front()

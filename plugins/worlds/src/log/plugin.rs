@@ -28,6 +28,7 @@ pub struct LogWorld {
     start: Option<Pose2>,
     map_file: Option<PathBuf>,
     file: PathBuf,
+    is_over: bool,
 }
 
 impl Plugin<dyn World> for LogParams {
@@ -47,7 +48,8 @@ impl Plugin<dyn World> for LogParams {
         let mut playback = Playback::new(timeline, self.file.display().to_string(), truth);
         sentences.iter().for_each(|sentence| playback.notify(sentence));
         let start = self.start_pose(&playback);
-        Ok(Box::new(LogWorld { playback, channels: self.channels.clone(), start, map_file, file }))
+        let channels = self.channels.clone();
+        Ok(Box::new(LogWorld { playback, channels, start, map_file, file, is_over: false }))
     }
 }
 
@@ -96,6 +98,16 @@ impl LogWorld {
         self.channels.get(sensor).copied().or_else(own)
     }
 
+    /// Says which channels of the pipeline never had anything.
+    fn tell_silent_channels(&mut self) {
+        for (sensor, channel) in &self.channels {
+            if !self.playback.has_seen(*channel) {
+                let name = channel.name();
+                self.playback.notify(&format!("channels.{sensor} is {name}, which this log does not have"));
+            }
+        }
+    }
+
     /// What a sensor gets that did not say its name: nothing where the pipeline tells sensors apart by name.
     fn unnamed(&self, probe: &Probe<'_>) -> Option<RecordedChannel> {
         let is_named =
@@ -118,7 +130,11 @@ impl World for LogWorld {
     }
 
     fn advance(&mut self, to: Time) -> Result<Advance, WorldError> {
-        self.playback.advance(to)
+        let advanced = self.playback.advance(to);
+        if advanced == Ok(Advance::Ended) && !std::mem::replace(&mut self.is_over, true) {
+            self.tell_silent_channels();
+        }
+        advanced
     }
 
     fn drive(&mut self, command: &Command) -> Result<Drove, WorldError> {
