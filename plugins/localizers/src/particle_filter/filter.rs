@@ -30,6 +30,8 @@ pub struct FilterSettings {
     pub is_adaptive: bool,
     /// Power of the likelihood: neighboring beams are not independent.
     pub likelihood_exponent: f64,
+    /// One update leaves at least this effective share of the particles: else its likelihood is flattened further.
+    pub least_effective_share: f64,
     /// Resample when the effective share of the particles is below this.
     pub resample_threshold: f64,
     /// At most every so many updates.
@@ -66,6 +68,7 @@ pub struct ParticleFilter {
 struct Memory {
     poses: GridPoses,
     ln_p: Vec<f64>,
+    penalties: Vec<f64>,
     drawn: Particles,
     bins: BinSet,
     draws: IndependentDraws,
@@ -163,8 +166,9 @@ impl ParticleFilter {
 
     /// Weighs the particles by scans, each already seen from the base as it is now.
     pub fn weigh(&mut self, scans: &[ScanBeams], terrain: &mut Terrain) -> Weighed {
-        let Memory { poses, ln_p, .. } = &mut self.memory;
+        let Memory { poses, ln_p, penalties, .. } = &mut self.memory;
         poses.clear();
+        penalties.clear();
         for pose in self.particles.iter() {
             let [x, y, heading] = terrain.in_grid(pose);
             poses.push(x, y, heading);
@@ -184,8 +188,12 @@ impl ParticleFilter {
         for ((ln, weight), (x, y)) in ln_p.iter_mut().zip(&self.particles.weights).zip(places) {
             let fitting = (*ln * per_beam).exp();
             fit += if fitting.is_finite() { weight * fitting } else { 0.0 };
-            *ln = *ln * self.settings.likelihood_exponent - terrain.penalty(*x, *y);
+            *ln *= self.settings.likelihood_exponent;
+            penalties.push(terrain.penalty(*x, *y));
         }
+        let least = self.settings.least_effective_share * ln_p.len() as f64;
+        let power = flattening(&self.particles.weights, ln_p, least);
+        ln_p.iter_mut().zip(&*penalties).for_each(|(ln, penalty)| *ln = *ln * power - penalty);
         self.recovery.observe(fit);
         self.updates_since_resampling += 1;
         self.is_degenerate = !self.particles.reweigh(ln_p);
@@ -264,3 +272,31 @@ impl ParticleFilter {
         true
     }
 }
+
+/// The power, at most 1, of the factors exp(ln) that leaves an effective number of at least `least` particles.
+///
+/// With few guesses for a large building the nearest one is still off by more than the sensor's noise, and the
+/// likelihood of a lucky wrong place would rule out the true one: annealing (Deutscher, Blake, Reid 2000) with the power
+/// chosen by the effective number, as samplers do (Jasra, Stephens, Doucet, Tsagaris 2011).
+fn flattening(weights: &[f64], ln_factors: &[f64], least: f64) -> f64 {
+    let most = ln_factors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let effective = |power: f64| {
+        let factored = weights.iter().zip(ln_factors).map(|(w, ln)| w * ((ln - most) * power).exp());
+        let finite = factored.filter(|w| w.is_finite());
+        let (sum, squares) = finite.fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+        sum * sum / squares
+    };
+    // Written so that weights that are no numbers are left to others.
+    if least <= 0.0 || !most.is_finite() || !(effective(1.0) < least) {
+        return 1.0;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..FLATTENING_ROUNDS {
+        let middle = (low + high) / 2.0;
+        if effective(middle) < least { high = middle } else { low = middle }
+    }
+    low
+}
+
+/// The power is good to a part in so many powers of 2.
+const FLATTENING_ROUNDS: u32 = 6;

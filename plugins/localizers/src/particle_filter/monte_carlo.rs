@@ -52,6 +52,8 @@ struct Anchor {
     /// Scans that were weighed, as seen from the base.
     scans: Vec<ScanBeams>,
     clusters: Vec<Cluster>,
+    /// Share of their beams that the map explains from here.
+    explained: Option<f64>,
 }
 
 /// What was received, used and dropped since the start; all go up only.
@@ -107,7 +109,7 @@ impl MonteCarlo {
         model: Box<dyn MeasurementModel>,
         filter: ParticleFilter,
     ) -> MonteCarlo {
-        let sureness = Sureness::new(settings.rules);
+        let sureness = Sureness::new(settings.rules, false);
         MonteCarlo {
             settings,
             model,
@@ -133,6 +135,11 @@ impl MonteCarlo {
     /// What was received, used and dropped.
     pub fn counters(&self) -> Counters {
         self.counters
+    }
+
+    /// Share of the beams of the last update that the map explains from where the robot is taken to be.
+    pub fn explained(&self) -> Option<f64> {
+        self.anchor.as_ref()?.explained
     }
 
     /// Scans that were dropped.
@@ -168,7 +175,7 @@ impl MonteCarlo {
         self.queue.clear();
         self.too_soon.clear();
         self.odometry.clear();
-        self.sureness = Sureness::new(self.settings.rules);
+        self.sureness = Sureness::new(self.settings.rules, *prior != Prior::Unknown);
         (self.is_first, self.silent_s) = (true, 0.0);
         self.anchor = None;
         self.set_anchor(odom_from_base, None, Vec::new());
@@ -337,7 +344,8 @@ impl MonteCarlo {
         let terrain = self.terrain.as_ref().filter(|terrain| terrain.has_obstacles);
         let explained = terrain.and_then(|terrain| terrain.explained(&scans, &map_from_base));
         self.sureness.judge(&clusters, explained);
-        self.anchor = Some(Anchor { map_from_base, covariance, odom_from_base, stamp, scans, clusters });
+        self.anchor =
+            Some(Anchor { map_from_base, covariance, odom_from_base, stamp, scans, clusters, explained });
     }
 
     /// The last word of the filter, carried on by the odometer.

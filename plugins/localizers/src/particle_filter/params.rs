@@ -47,6 +47,9 @@ pub struct ParticleFilterParams {
     pub max_beams: usize,
     /// Power of the likelihood, since neighboring beams are not independent: 1 believes every beam.
     pub likelihood_exponent: f64,
+    /// One update leaves at least this effective share of the particles: while guesses lie far apart, one scan must not
+    /// rule out all but a lucky few. 0 turns this off.
+    pub least_effective_share: f64,
     /// Draw new particles when the effective share of them falls below this.
     pub resample_threshold: f64,
     /// At most every so many updates.
@@ -64,6 +67,8 @@ pub struct ParticleFilterParams {
     pub max_odom_jump_m: f64,
     /// A place that explains less than this share of the beams does not fit.
     pub least_explained: f64,
+    /// So many updates in a row with one tight cluster, and a robot that could be anywhere counts as found.
+    pub found_after_updates: u32,
     /// So many updates in a row with a place that does not fit, and the robot is lost.
     pub lost_after_updates: u32,
     /// Ask the robot to turn and drive a little while it does not know where it is. Never on a recording.
@@ -84,6 +89,7 @@ impl Default for ParticleFilterParams {
             measurement: Box::new(FieldModel::default()),
             max_beams: 60,
             likelihood_exponent: 0.3,
+            least_effective_share: 0.05,
             resample_threshold: 0.5,
             resample_interval: 1,
             alpha_slow: 0.05,
@@ -92,6 +98,7 @@ impl Default for ParticleFilterParams {
             unknown_penalty: 5.0,
             max_odom_jump_m: 1.0,
             least_explained: 0.3,
+            found_after_updates: 5,
             lost_after_updates: 10,
             wish: true,
         }
@@ -144,11 +151,14 @@ impl Params for ParticleFilterParams {
         }
         let delta_fits = self.kld_delta > 0.0 && self.kld_delta < 1.0;
         expect(delta_fits, "kld_delta", &self.kld_delta, "a probability between 0 and 1, without both");
-        for (key, value) in
-            [("resample_threshold", self.resample_threshold), ("least_explained", self.least_explained)]
-        {
+        for (key, value) in [
+            ("least_effective_share", self.least_effective_share),
+            ("resample_threshold", self.resample_threshold),
+            ("least_explained", self.least_explained),
+        ] {
             expect((0.0..=1.0).contains(&value), key, &value, "a share from 0 to 1");
         }
+        expect(self.found_after_updates >= 1, "found_after_updates", &self.found_after_updates, "1 or more");
         expect(self.lost_after_updates >= 1, "lost_after_updates", &self.lost_after_updates, "1 or more");
         faults.extend(self.recovery_faults());
         let at = |family: &'static str| {
@@ -182,6 +192,7 @@ impl ParticleFilterParams {
             bound: KldBound::new(self.kld_epsilon, self.kld_delta, least, most)?,
             is_adaptive: self.adaptive,
             likelihood_exponent: self.likelihood_exponent,
+            least_effective_share: self.least_effective_share,
             resample_threshold: self.resample_threshold,
             resample_interval: self.resample_interval,
         })
@@ -198,6 +209,7 @@ impl ParticleFilterParams {
             penalties: Penalties { occupied: OCCUPIED_PENALTY, unknown: self.unknown_penalty },
             rules: SurenessRules {
                 least_explained: self.least_explained,
+                found_after_updates: self.found_after_updates,
                 lost_after_updates: self.lost_after_updates,
             },
             may_wish: self.wish && !is_recorded,

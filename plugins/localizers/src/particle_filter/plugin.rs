@@ -38,6 +38,9 @@ fn show(tracker: &MonteCarlo, cx: &Cx<'_>) {
     cx.trace.count("odometry jumps", counters.odometry_jumps as f64);
     cx.trace.count("updates without beams", counters.without_beams as f64);
     cx.trace.count("updates without weight", counters.degenerate as f64);
+    if let Some(share) = tracker.explained() {
+        cx.trace.count("share of beams explained", share);
+    }
     if let Some([slow, fast]) = tracker.filter().recovery().averages() {
         cx.trace.count("fit, long average", slow);
         cx.trace.count("fit, short average", fast);

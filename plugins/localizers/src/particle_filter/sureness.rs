@@ -8,6 +8,8 @@ use rumbo_core::messages::{Candidate, Status};
 pub struct SurenessRules {
     /// A place that explains less than this share of the beams does not fit.
     pub least_explained: f64,
+    /// So many updates in a row with one tight cluster, and a robot that could be anywhere is found.
+    pub found_after_updates: u32,
     /// So many updates in a row with a place that does not fit, and the robot is lost.
     pub lost_after_updates: u32,
 }
@@ -18,6 +20,7 @@ pub struct Sureness {
     rules: SurenessRules,
     status: Status,
     has_tracked: bool,
+    n_tight: u32,
     n_unfit: u32,
 }
 
@@ -45,9 +48,10 @@ impl Limits {
 }
 
 impl Sureness {
-    /// Nothing known yet.
-    pub fn new(rules: SurenessRules) -> Sureness {
-        Sureness { rules, status: Status::Converging, has_tracked: false, n_unfit: 0 }
+    /// Nothing seen yet; `is_known` when somebody said where the robot is, and one tight cluster is enough.
+    pub fn new(rules: SurenessRules, is_known: bool) -> Sureness {
+        let n_tight = if is_known { rules.found_after_updates } else { 0 };
+        Sureness { rules, status: Status::Converging, has_tracked: false, n_tight, n_unfit: 0 }
     }
 
     /// The present status.
@@ -66,7 +70,8 @@ impl Sureness {
             self.n_unfit = if fits { 0 } else { self.n_unfit.saturating_add(1) };
         }
         let was_tracking = self.status == Status::Tracking;
-        let is_one = FOUND.hold(best) || was_tracking && KEPT.hold(best);
+        self.n_tight = if FOUND.hold(best) { self.n_tight.saturating_add(1) } else { 0 };
+        let is_one = self.n_tight >= self.rules.found_after_updates || was_tracking && KEPT.hold(best);
         self.status = if self.n_unfit >= self.rules.lost_after_updates {
             Status::Lost
         } else if is_one && (fits || was_tracking) {
@@ -114,7 +119,8 @@ mod tests {
     }
 
     fn fresh() -> Sureness {
-        Sureness::new(SurenessRules { least_explained: 0.3, lost_after_updates: 4 })
+        let rules = SurenessRules { least_explained: 0.3, found_after_updates: 1, lost_after_updates: 4 };
+        Sureness::new(rules, false)
     }
 
     #[test]
@@ -156,6 +162,19 @@ mod tests {
         assert_eq!(sureness.judge(&[cluster(0.5, 2.0)], Some(0.8)), Status::Lost, "not found yet");
         assert_eq!(sureness.judge(&tight, Some(0.8)), Status::Tracking);
         assert_eq!(fresh().judge(&[], None), Status::Lost);
+    }
+
+    #[test]
+    fn a_robot_that_could_be_anywhere_is_found_after_several_tight_updates_in_a_row() {
+        let rules = SurenessRules { least_explained: 0.3, found_after_updates: 3, lost_after_updates: 4 };
+        let (tight, wide) = ([cluster(1.0, 0.1)], [cluster(1.0, 1.0)]);
+        let mut sureness = Sureness::new(rules, false);
+        for clusters in [&tight, &tight, &wide, &tight, &tight] {
+            assert_eq!(sureness.judge(clusters, None), Status::Converging);
+        }
+        assert_eq!(sureness.judge(&tight, None), Status::Tracking);
+        assert_eq!(Sureness::new(rules, true).judge(&tight, None), Status::Tracking, "it was told");
+        assert_eq!(Sureness::new(rules, true).judge(&wide, None), Status::Converging);
     }
 
     #[test]
