@@ -59,6 +59,7 @@ pub struct ParticleFilter {
     step: u64,
     updates_since_resampling: u32,
     is_degenerate: bool,
+    is_misplaced: bool,
     clustering: Clustering,
     memory: Memory,
 }
@@ -77,6 +78,12 @@ struct Memory {
 impl ParticleFilter {
     /// Share of particles that are scattered after all weights were lost.
     const SCATTERED_AFTER_LOSS: f64 = 0.1;
+    /// Share of particles that are scattered while the best place does not fit.
+    const SCATTERED_TO_SEARCH: f64 = 0.3;
+
+    /// From this share of scattered particles on, their bins count too, and many particles are drawn to search with: a
+    /// smaller share is the noise of the fit along the way, which should cost no more than a few.
+    const SEARCH_SHARE: f64 = 0.1;
 
     /// Without particles yet.
     pub fn new(
@@ -94,6 +101,7 @@ impl ParticleFilter {
             step: 0,
             updates_since_resampling: 0,
             is_degenerate: false,
+            is_misplaced: false,
             clustering: Clustering::default(),
             memory: Memory::default(),
         }
@@ -112,7 +120,7 @@ impl ParticleFilter {
     fn begin(&mut self) -> Rng {
         self.step += 1;
         self.recovery.reset();
-        (self.updates_since_resampling, self.is_degenerate) = (0, false);
+        (self.updates_since_resampling, self.is_degenerate, self.is_misplaced) = (0, false, false);
         self.particles.clear();
         self.streams.stream(self.step, Purpose::Start)
     }
@@ -205,12 +213,19 @@ impl ParticleFilter {
         self.clustering.find(&self.particles)
     }
 
+    /// Says whether the best place fits too badly to be the true one: then other places are searched as well. The averages
+    /// alone cannot tell when the filter has never been anywhere better.
+    pub fn set_misplaced(&mut self, is_misplaced: bool) {
+        self.is_misplaced = is_misplaced;
+    }
+
     /// Whether weight is so unevenly spread that it is time to draw new particles.
     pub fn needs_resampling(&self) -> bool {
         let is_uneven = self.particles.effective_number()
             < self.settings.resample_threshold * self.particles.len() as f64;
         // With equal weights after a loss nothing is uneven, but the scattered ones have to come in.
-        (is_uneven || self.is_degenerate) && self.updates_since_resampling >= self.settings.resample_interval
+        (is_uneven || self.is_degenerate || self.is_misplaced)
+            && self.updates_since_resampling >= self.settings.resample_interval
     }
 
     /// Draws new particles by weight, some of them from the whole map when the fit has become worse.
@@ -218,7 +233,11 @@ impl ParticleFilter {
         self.step += 1;
         self.updates_since_resampling = 0;
         let mut rng = self.streams.stream(self.step, Purpose::Resampling);
-        let least = if self.is_degenerate { Self::SCATTERED_AFTER_LOSS } else { 0.0 };
+        let least = match (self.is_misplaced, self.is_degenerate) {
+            (true, _) => Self::SCATTERED_TO_SEARCH,
+            (false, true) => Self::SCATTERED_AFTER_LOSS,
+            (false, false) => 0.0,
+        };
         let random_share = self.recovery.random_share().max(least);
         self.is_degenerate = false;
         let is_drawn = match self.settings.is_adaptive {
@@ -240,6 +259,7 @@ impl ParticleFilter {
         drawn.clear();
         bins.clear();
         let mut n_wanted = self.settings.bound.particles(0);
+        let is_search = random_share >= Self::SEARCH_SHARE;
         while drawn.len() < n_wanted {
             let is_random = random_share > 0.0 && rng.random::<f64>() < random_share;
             let anywhere = if is_random { terrain.free.draw(grid, rng) } else { None };
@@ -248,6 +268,9 @@ impl ParticleFilter {
                 [self.particles.x_m[idx], self.particles.y_m[idx], self.particles.yaw_rad[idx]]
             });
             drawn.push(pose);
+            if anywhere.is_some() && !is_search {
+                continue;
+            }
             let n_bins = bins.len();
             bins.insert(bin_of(pose));
             if bins.len() > n_bins {

@@ -31,6 +31,8 @@ pub struct TrackerSettings {
     pub max_odom_jump_m: f64,
     /// What impossible places cost.
     pub penalties: Penalties,
+    /// Where the best place explains less than this share of the beams, others are searched.
+    pub search_below: f64,
     /// When the robot is lost.
     pub rules: SurenessRules,
     /// The robot may be asked to move.
@@ -323,6 +325,7 @@ impl MonteCarlo {
         self.is_first &= weighed == Weighed::Nothing;
         self.set_anchor(odom_from_base, Some(stamp), beams);
         let Some(terrain) = &self.terrain else { return Ok(()) };
+        self.filter.set_misplaced(self.explained().is_some_and(|share| share < self.settings.search_below));
         if weighed != Weighed::Nothing && self.filter.needs_resampling() {
             self.filter.resample(terrain, grid);
         }

@@ -65,6 +65,9 @@ pub struct ParticleFilterParams {
     /// Two readings of the odometer farther apart than this, beyond what the robot can drive in between, are a jump,
     /// meters: the particles are scattered by this deviation instead of moved.
     pub max_odom_jump_m: f64,
+    /// While the best place explains less than this share of the beams, some particles are scattered over the map to
+    /// search for a better one. 0 turns this off.
+    pub search_below: f64,
     /// A place that explains less than this share of the beams does not fit.
     pub least_explained: f64,
     /// So many updates in a row with one tight cluster, and a robot that could be anywhere counts as found.
@@ -89,7 +92,7 @@ impl Default for ParticleFilterParams {
             measurement: Box::new(FieldModel::default()),
             max_beams: 60,
             likelihood_exponent: 0.3,
-            least_effective_share: 0.05,
+            least_effective_share: 0.01,
             resample_threshold: 0.5,
             resample_interval: 1,
             alpha_slow: 0.05,
@@ -97,6 +100,7 @@ impl Default for ParticleFilterParams {
             init_clearance_m: 0.2,
             unknown_penalty: 5.0,
             max_odom_jump_m: 1.0,
+            search_below: 0.75,
             least_explained: 0.3,
             found_after_updates: 5,
             lost_after_updates: 10,
@@ -154,6 +158,7 @@ impl Params for ParticleFilterParams {
         for (key, value) in [
             ("least_effective_share", self.least_effective_share),
             ("resample_threshold", self.resample_threshold),
+            ("search_below", self.search_below),
             ("least_explained", self.least_explained),
         ] {
             expect((0.0..=1.0).contains(&value), key, &value, "a share from 0 to 1");
@@ -207,6 +212,7 @@ impl ParticleFilterParams {
             init_clearance_m: self.init_clearance_m,
             max_odom_jump_m: self.max_odom_jump_m,
             penalties: Penalties { occupied: OCCUPIED_PENALTY, unknown: self.unknown_penalty },
+            search_below: self.search_below,
             rules: SurenessRules {
                 least_explained: self.least_explained,
                 found_after_updates: self.found_after_updates,
