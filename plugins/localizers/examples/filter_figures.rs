@@ -4,7 +4,7 @@
 //! benches, does not count what other programs take.
 #![allow(clippy::print_stdout, clippy::expect_used, clippy::panic)]
 
-#[path = "../benches/filter_work.rs"]
+#[path = "../benches/filter_work/mod.rs"]
 mod filter_work;
 
 use filter_work::Work;
@@ -37,7 +37,7 @@ fn report(what: &str, n_items: usize, item: &str, mut run: impl FnMut()) {
 }
 
 fn main() {
-    let mut work = Work::new();
+    let mut work = Work::office();
     for n in [1000, 10_000] {
         let pairs = n * filter_work::N_BEAMS;
         let mut field = work.weights(&FieldModel::default(), n);

@@ -27,7 +27,7 @@ fn main() {
     );
     quantiles("updates to recover", runs.iter().map(|run| run.recovered_after.map_or(99.0, |n| n as f64)));
     quantiles("rms after 10 updates, m", runs.iter().map(|run| run.rms_m));
-    quantiles("most particles after convergence", runs.iter().map(|run| run.most_particles as f64));
+    quantiles("usual particles after convergence", runs.iter().map(|run| run.usual_particles as f64));
     quantiles("rms from a known pose, m", (1..=n).map(|seed| tracking_rms_m(&world, &params, seed)));
 }
 

@@ -309,8 +309,9 @@ fn flattening(weights: &[f64], ln_factors: &[f64], least: f64) -> f64 {
         let (sum, squares) = finite.fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
         sum * sum / squares
     };
-    // Written so that weights that are no numbers are left to others.
-    if least <= 0.0 || !most.is_finite() || !(effective(1.0) < least) {
+    let effective_now = effective(1.0);
+    // Weights that are no numbers are left to others.
+    if least <= 0.0 || !most.is_finite() || effective_now.is_nan() || effective_now >= least {
         return 1.0;
     }
     let (mut low, mut high) = (0.0, 1.0);

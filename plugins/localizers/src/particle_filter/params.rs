@@ -100,7 +100,7 @@ impl Default for ParticleFilterParams {
             init_clearance_m: 0.2,
             unknown_penalty: 5.0,
             max_odom_jump_m: 1.0,
-            search_below: 0.75,
+            search_below: 0.9,
             least_explained: 0.3,
             found_after_updates: 5,
             lost_after_updates: 10,

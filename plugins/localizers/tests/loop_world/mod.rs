@@ -207,8 +207,8 @@ pub struct GlobalRun {
     pub worst_after_ten_m: f64,
     /// Root mean square of the error after ten updates, meters.
     pub rms_m: f64,
-    /// Most particles in the last half before the kidnapping.
-    pub most_particles: usize,
+    /// Median number of particles in the last half before the kidnapping.
+    pub usual_particles: usize,
     /// Updates after the kidnapping until the error is below 0.3 m for three updates in a row.
     pub recovered_after: Option<usize>,
 }
@@ -223,13 +223,15 @@ pub fn global_run(world: &LoopWorld, params: &ParticleFilterParams, seed: u64) -
         })
         .collect();
     let rest: Vec<f64> = errors[10..].iter().map(|(error_m, _)| *error_m).collect();
+    let mut numbers: Vec<usize> = errors[30..].iter().map(|(_, n)| *n).collect();
+    numbers.sort_unstable();
     drive.s_m += 17.0;
     let after: Vec<bool> = (0..40).map(|_| follower.update(&mut drive).1 < 0.3).collect();
     let recovered = after.windows(3).position(|three| three.iter().all(|near| *near));
     GlobalRun {
         worst_after_ten_m: rest.iter().copied().fold(0.0, f64::max),
         rms_m: rms(&rest),
-        most_particles: errors[30..].iter().map(|(_, n)| *n).max().unwrap_or(0),
+        usual_particles: numbers[numbers.len() / 2],
         recovered_after: recovered.map(|idx| idx + 1),
     }
 }

@@ -87,8 +87,7 @@ impl MeasurementModel for BeamModel {
         ];
         faults.extend(no_share(&shares));
         let sum: f64 = shares.iter().map(|(_, share)| share).sum();
-        // Written so that a sum that is no number is refused as well.
-        if !((sum - 1.0).abs() <= Self::SUM_TOLERANCE) {
+        if sum.is_nan() || (sum - 1.0).abs() > Self::SUM_TOLERANCE {
             let message = format!("z_hit + z_short + z_max + z_rand is {sum:.6}, expected 1");
             faults.push(("z_hit", message));
         }

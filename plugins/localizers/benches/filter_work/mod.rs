@@ -53,7 +53,7 @@ impl Weights {
 
 impl Work {
     /// The office of 50 m by 50 m.
-    pub fn new() -> Work {
+    pub fn office() -> Work {
         let world = GeneratedWorld::indoor(1000, 4242);
         let log_odds = |cell: &u8| if *cell == 1 { Grid::CERTAIN } else { -Grid::CERTAIN };
         let cells: Vec<f32> = world.occupied.iter().map(log_odds).collect();
