@@ -118,7 +118,8 @@ impl ParticleFilter {
     }
 
     fn begin(&mut self) -> Rng {
-        self.step += 1;
+        // A new start forgets the old run: the same start and scans give the same bits.
+        self.step = 0;
         self.recovery.reset();
         (self.updates_since_resampling, self.is_degenerate, self.is_misplaced) = (0, false, false);
         self.particles.clear();

@@ -178,7 +178,7 @@ impl MonteCarlo {
         self.too_soon.clear();
         self.odometry.clear();
         self.sureness = Sureness::new(self.settings.rules, *prior != Prior::Unknown);
-        (self.is_first, self.silent_s) = (true, 0.0);
+        (self.is_first, self.silent_s, self.last_noise) = (true, 0.0, [0.0; 3]);
         self.anchor = None;
         self.set_anchor(odom_from_base, None, Vec::new());
         Ok(())
