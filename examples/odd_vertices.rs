@@ -127,7 +127,8 @@ fn mean_and_95(errors: &[[f64; 2]], part: usize) -> [f64; 2] {
 
 fn main() -> Result<(), Fault> {
     let mut arguments = std::env::args().skip(1);
-    let folder = PathBuf::from(arguments.next().ok_or("usage: odd_vertices FOLDER [LOG...] [--set KEY=VALUE]")?);
+    let folder =
+        PathBuf::from(arguments.next().ok_or("usage: odd_vertices FOLDER [LOG...] [--set KEY=VALUE]")?);
     let (mut names, mut sets) = (Vec::new(), Vec::new());
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
