@@ -7,6 +7,7 @@
 mod params;
 mod plugin;
 
+pub mod anchor;
 pub mod beams;
 pub mod clusters;
 pub mod filter;
@@ -24,6 +25,7 @@ pub mod scan_queue;
 pub mod streams;
 pub mod sureness;
 pub mod terrain;
+pub mod tracker_settings;
 pub mod wishes;
 
 #[cfg(test)]

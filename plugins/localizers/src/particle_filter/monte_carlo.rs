@@ -1,13 +1,14 @@
 //! Monte-Carlo localization over time: which scans are weighed when, and what is known in between.
 
+use super::anchor::Anchor;
 use super::beams::ScanBeams;
-use super::clusters::Cluster;
 use super::filter::{ParticleFilter, Weighed};
 use super::measurement::MeasurementModel;
-use super::odometry_history::{OdometryHistory, Reading};
+use super::odometry_history::{OdometryHistory, Reading, is_jump};
 use super::scan_queue::{PendingScan, ScanQueue};
-use super::sureness::{Sureness, SurenessRules, candidates};
-use super::terrain::{Penalties, Terrain};
+use super::sureness::Sureness;
+use super::terrain::Terrain;
+use super::tracker_settings::{Counters, TrackerSettings};
 use super::wishes::wish;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, lift};
@@ -15,63 +16,6 @@ use rumbo_core::map::{Grid, Map};
 use rumbo_core::messages::{Check, Estimate, Odometry, Prior, Seen, Status};
 use rumbo_core::stages::LocalizeError;
 use rumbo_core::time::{Span, Time};
-
-/// Numbers of the localizer around the filter.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrackerSettings {
-    /// The filter is updated after this much way, meters.
-    pub update_min_d_m: f64,
-    /// Or this much turn, radians.
-    pub update_min_a_rad: f64,
-    /// Beams of a scan that are looked at.
-    pub max_beams: usize,
-    /// Distance from obstacles of particles that may be anywhere, meters.
-    pub init_clearance_m: f64,
-    /// Two readings of the odometer farther apart than this are a jump, meters.
-    pub max_odom_jump_m: f64,
-    /// What impossible places cost.
-    pub penalties: Penalties,
-    /// Where the best place explains less than this share of the beams, others are searched.
-    pub search_below: f64,
-    /// When the robot is lost.
-    pub rules: SurenessRules,
-    /// The robot may be asked to move.
-    pub may_wish: bool,
-    /// Radius of the hull, meters.
-    pub radius_m: f64,
-    /// What the robot can do, m/s and rad/s.
-    pub max_speed: [f64; 2],
-}
-
-/// Where the robot was at the last update of the filter.
-#[derive(Debug, Clone)]
-struct Anchor {
-    map_from_base: Pose2,
-    covariance: Matrix3<f64>,
-    odom_from_base: Pose2,
-    /// Time of the last scan that was weighed.
-    stamp: Option<Time>,
-    /// Scans that were weighed, as seen from the base.
-    scans: Vec<ScanBeams>,
-    clusters: Vec<Cluster>,
-    /// Share of their beams that the map explains from here.
-    explained: Option<f64>,
-}
-
-/// What was received, used and dropped since the start; all go up only.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Counters {
-    /// Updates of the filter with scans.
-    pub updates: u64,
-    /// Readings of the odometer that came twice, too late, or held a number that is none.
-    pub odometry_dropped: u64,
-    /// Jumps of the odometer.
-    pub odometry_jumps: u64,
-    /// Updates without a beam that said anything.
-    pub without_beams: u64,
-    /// Updates that left no particle with any weight.
-    pub degenerate: u64,
-}
 
 /// A filter that follows a robot.
 pub struct MonteCarlo {
@@ -229,7 +173,7 @@ impl MonteCarlo {
                 let [speed_m_s, _] = self.settings.max_speed;
                 if is_jump(
                     &odom_from_last,
-                    odometry,
+                    &odometry.odom_from_base,
                     self.settings.max_odom_jump_m + 2.0 * speed_m_s * elapsed_s,
                 ) {
                     self.jump(odom_from_last, odometry.odom_from_base);
@@ -248,7 +192,7 @@ impl MonteCarlo {
     fn take_first_reading(&mut self, odometry: &Odometry) {
         let jump_m = self.settings.max_odom_jump_m;
         if let Some(anchor) = &mut self.anchor
-            && is_jump(&anchor.odom_from_base, odometry, jump_m)
+            && is_jump(&anchor.odom_from_base, &odometry.odom_from_base, jump_m)
         {
             anchor.odom_from_base = odometry.odom_from_base;
         }
@@ -354,37 +298,12 @@ impl MonteCarlo {
     /// The last word of the filter, carried on by the odometer.
     fn estimate(&self, now: Time) -> Result<Estimate, LocalizeError> {
         let Some(anchor) = &self.anchor else { return Err(LocalizeError::NotStarted) };
-        let (stamp, odom_from_base) = self.odometry.newest().unwrap_or((now, anchor.odom_from_base));
-        let way = anchor.odom_from_base.inverse() * odom_from_base;
-        let moved = |pose: &Pose2| pose * way;
-        let covariance = anchor.covariance + self.strayed(&way);
+        let newest = self.odometry.newest().unwrap_or((now, anchor.odom_from_base));
         let status = self.sureness.status();
-        let mut estimate = Estimate::planar(stamp, moved(&anchor.map_from_base), odom_from_base, covariance);
-        estimate.status = status;
-        if status == Status::Ambiguous {
-            estimate.candidates = candidates(&anchor.clusters);
-            estimate
-                .candidates
-                .iter_mut()
-                .for_each(|place| place.map_from_base = moved(&place.map_from_base));
-        }
+        let mut estimate = anchor.carried_to(newest, self.last_noise, status);
         if self.settings.may_wish && status != Status::Tracking {
             estimate.wish = Some(wish(&anchor.scans, self.settings.radius_m));
         }
         Ok(estimate)
     }
-
-    /// What the odometer's own errors add on the way since the last update.
-    fn strayed(&self, way: &Pose2) -> Matrix3<f64> {
-        let (way_m, turn_rad) = (way.translation.vector.norm(), way.rotation.angle().abs());
-        let [longer, aside, turned] = self.last_noise;
-        let place_m = way_m * longer.hypot(aside * way_m);
-        let yaw_rad = (way_m * aside).hypot(turn_rad * turned);
-        Matrix3::from_diagonal(&nalgebra::Vector3::new(place_m, place_m, yaw_rad).map(|v| v * v))
-    }
-}
-
-/// Farther than the robot can have come.
-fn is_jump(odom_from_last: &Pose2, odometry: &Odometry, most_m: f64) -> bool {
-    (odom_from_last.inverse() * odometry.odom_from_base).translation.vector.norm() > most_m
 }

@@ -21,6 +21,11 @@ pub enum Reading {
     Stale,
 }
 
+/// Two readings lie farther apart than the robot can have come, meters.
+pub fn is_jump(odom_from_last: &Pose2, odom_from_base: &Pose2, most_m: f64) -> bool {
+    (odom_from_last.translation.vector - odom_from_base.translation.vector).norm() > most_m
+}
+
 impl OdometryHistory {
     /// Ten seconds at 200 readings a second.
     const MOST_READINGS: usize = 2000;

@@ -3,10 +3,10 @@
 use super::filter::FilterSettings;
 use super::kld::KldBound;
 use super::measurement::{FieldModel, MeasurementModel};
-use super::monte_carlo::TrackerSettings;
 use super::motion::{MotionModel, OdometryMotion};
 use super::sureness::SurenessRules;
 use super::terrain::Penalties;
+use super::tracker_settings::TrackerSettings;
 use rumbo_core::registry::Params;
 use rumbo_core::robot::Robot;
 use rumbo_core::stages::BuildError;

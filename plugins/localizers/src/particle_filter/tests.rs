@@ -444,3 +444,23 @@ fn lost_weights_are_counted_reset_and_followed_by_some_scattered_particles() {
         assert_eq!(run(bad, -1.0), (0.0, few), "one bad weight is that particle's affair");
     }
 }
+
+#[test]
+fn an_older_scan_of_another_sensor_is_weighed_from_where_the_robot_was_then() {
+    let field = FieldModel { sigma_hit_m: 0.05, ..FieldModel::default() };
+    let params = ParticleFilterParams { measurement: Box::new(field), ..ParticleFilterParams::default() };
+    let mut localizer = started(&params);
+    let (rear, blind) = ([-0.3, 0.0, 3.0], |t| {
+        observed(1, t, Pose3::identity(), Data::LaserScan(scan_with(vec![f32::NAN; 81])))
+    });
+    let truth = |seconds: f64| pose2(4.0 + 0.19 * seconds, 3.0, 0.0);
+    let odom = |seconds: f64| pose2(0.19 * seconds, 0.0, 0.0);
+    let seen = [reading(0.0, odom(0.0)), scan(2, 0.0, truth(0.0), rear)];
+    update(&mut *localizer, &seen).unwrap();
+    // The rear scan comes too soon for an update of its own; the front laser sees nothing when the robot has moved on.
+    let seen = [reading(1.0, odom(1.0)), scan(2, 1.0, truth(1.0), rear), reading(2.0, odom(2.0)), blind(2.0)];
+    let (estimate, counters) = watched(&mut *localizer, &seen, &map()).unwrap();
+    assert_eq!(counters["updates"], 2.0);
+    assert!(counters["share of beams explained"] > 0.9, "{counters:?}");
+    assert!(off_m(&estimate, 4.38, 3.0) < 0.06, "{}", estimate.pose2());
+}
