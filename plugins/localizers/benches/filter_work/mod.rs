@@ -135,6 +135,7 @@ fn filter() -> ParticleFilter {
         is_adaptive: true,
         likelihood_exponent: 0.3,
         least_effective_share: 0.01,
+        slip_share: 0.0,
         resample_threshold: 0.5,
         resample_interval: 1,
     };

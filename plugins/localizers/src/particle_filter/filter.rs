@@ -32,6 +32,8 @@ pub struct FilterSettings {
     pub likelihood_exponent: f64,
     /// One update leaves at least this effective share of the particles: else its likelihood is flattened further.
     pub least_effective_share: f64,
+    /// Share of particles that move otherwise than the odometer says.
+    pub slip_share: f64,
     /// Resample when the effective share of the particles is below this.
     pub resample_threshold: f64,
     /// At most every so many updates.
@@ -76,6 +78,10 @@ struct Memory {
 }
 
 impl ParticleFilter {
+    /// What slipping wheels leave of the way: none of it, too much of it, or the reverse, as an odometer counts that does
+    /// not know which way its wheels turn.
+    const SLIPPED_WAY: std::ops::Range<f64> = -1.5..1.5;
+
     /// Share of particles that are scattered after all weights were lost.
     const SCATTERED_AFTER_LOSS: f64 = 0.1;
     /// Share of particles that are scattered while the best place does not fit.
@@ -155,7 +161,27 @@ impl ParticleFilter {
     pub fn advance(&mut self, odom_from_before: &Pose2, odom_from_after: &Pose2) {
         self.step += 1;
         let mut rng = self.streams.stream(self.step, Purpose::Motion);
+        let slipping = self.draw_slipping(&mut rng);
         self.motion.move_all(odom_from_before, odom_from_after, &mut self.particles, &mut rng);
+        let way = odom_from_before.inverse() * odom_from_after;
+        for (idx, [x, y, yaw], share) in slipping {
+            let ahead = nalgebra::UnitComplex::new(yaw) * way.translation.vector * share;
+            self.particles.put(idx, [x + ahead.x, y + ahead.y, wrap_angle(yaw + way.rotation.angle())]);
+        }
+    }
+
+    /// Particles whose wheels do not tell how far the base went: which, from where, and what share of the way.
+    fn draw_slipping(&self, rng: &mut Rng) -> Vec<(usize, [f64; 3], f64)> {
+        let share = self.settings.slip_share;
+        if share <= 0.0 {
+            return Vec::new();
+        }
+        let all = self.particles.iter().enumerate();
+        let slipping = all.filter_map(|(idx, pose)| {
+            let slips = rng.random::<f64>() < share;
+            slips.then(|| (idx, pose, rng.random_range(Self::SLIPPED_WAY)))
+        });
+        slipping.collect()
     }
 
     /// Scatters the particles: the robot may have moved this far without anybody knowing (standard deviations).

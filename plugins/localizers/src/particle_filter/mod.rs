@@ -10,6 +10,7 @@ mod plugin;
 pub mod anchor;
 pub mod beams;
 pub mod clusters;
+mod continuity;
 pub mod filter;
 pub mod free_space;
 pub mod kld;

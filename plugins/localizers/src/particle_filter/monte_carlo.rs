@@ -2,6 +2,7 @@
 
 use super::anchor::Anchor;
 use super::beams::ScanBeams;
+use super::continuity::Continuity;
 use super::filter::{ParticleFilter, Weighed};
 use super::measurement::MeasurementModel;
 use super::odometry_history::{OdometryHistory, Reading, is_jump};
@@ -30,6 +31,7 @@ pub struct MonteCarlo {
     too_soon: Vec<PendingScan>,
     anchor: Option<Anchor>,
     sureness: Sureness,
+    continuity: Continuity,
     /// The next scan is weighed even if the robot did not move.
     is_first: bool,
     /// Time for which the odometer was silent since the last update, seconds.
@@ -67,6 +69,7 @@ impl MonteCarlo {
             too_soon: Vec::new(),
             anchor: None,
             sureness,
+            continuity: Continuity::default(),
             is_first: true,
             silent_s: 0.0,
             counters: Counters::default(),
@@ -122,6 +125,7 @@ impl MonteCarlo {
         self.too_soon.clear();
         self.odometry.clear();
         self.sureness = Sureness::new(self.settings.rules, *prior != Prior::Unknown);
+        self.continuity = Continuity::default();
         (self.is_first, self.silent_s, self.last_noise) = (true, 0.0, [0.0; 3]);
         self.anchor = None;
         self.set_anchor(odom_from_base, None, Vec::new());
@@ -285,7 +289,13 @@ impl MonteCarlo {
 
     /// Takes the filter's word for where the robot is now.
     fn set_anchor(&mut self, odom_from_base: Pose2, stamp: Option<Time>, scans: Vec<ScanBeams>) {
-        let clusters = self.filter.clusters();
+        let mut clusters = self.filter.clusters();
+        let last = self.anchor.as_ref().filter(|_| self.sureness.has_tracked());
+        let expected = last.map(|last| {
+            let way = last.odom_from_base.inverse() * odom_from_base;
+            (last.map_from_base * way, last.covariance)
+        });
+        self.continuity.choose(&mut clusters, expected);
         let best = clusters.first().map(|cluster| (cluster.map_from_base, cluster.covariance));
         let (map_from_base, covariance) = best.unwrap_or((Pose2::identity(), Matrix3::identity() * 1e6));
         let terrain = self.terrain.as_ref().filter(|terrain| terrain.has_obstacles);

@@ -50,6 +50,9 @@ pub struct ParticleFilterParams {
     /// One update leaves at least this effective share of the particles: while guesses lie far apart, one scan must not
     /// rule out all but a lucky few. 0 turns this off.
     pub least_effective_share: f64,
+    /// Share of particles that take the odometer for wrong about the way since the last update: wheels slip, and some
+    /// odometers count backward motion forward.
+    pub slip_share: f64,
     /// Draw new particles when the effective share of them falls below this.
     pub resample_threshold: f64,
     /// At most every so many updates.
@@ -93,6 +96,7 @@ impl Default for ParticleFilterParams {
             max_beams: 60,
             likelihood_exponent: 0.3,
             least_effective_share: 0.01,
+            slip_share: 0.05,
             resample_threshold: 0.5,
             resample_interval: 1,
             alpha_slow: 0.05,
@@ -157,6 +161,7 @@ impl Params for ParticleFilterParams {
         expect(delta_fits, "kld_delta", &self.kld_delta, "a probability between 0 and 1, without both");
         for (key, value) in [
             ("least_effective_share", self.least_effective_share),
+            ("slip_share", self.slip_share),
             ("resample_threshold", self.resample_threshold),
             ("search_below", self.search_below),
             ("least_explained", self.least_explained),
@@ -198,6 +203,7 @@ impl ParticleFilterParams {
             is_adaptive: self.adaptive,
             likelihood_exponent: self.likelihood_exponent,
             least_effective_share: self.least_effective_share,
+            slip_share: self.slip_share,
             resample_threshold: self.resample_threshold,
             resample_interval: self.resample_interval,
         })

@@ -52,6 +52,14 @@ impl Particles {
         places.zip(&mut self.yaw_rad).map(|((x, y), yaw)| [x, y, yaw])
     }
 
+    /// Moves one particle.
+    pub fn put(&mut self, idx: usize, [x_m, y_m, yaw_rad]: [f64; 3]) {
+        let places = (self.x_m.get_mut(idx), self.y_m.get_mut(idx), self.yaw_rad.get_mut(idx));
+        if let (Some(x), Some(y), Some(yaw)) = places {
+            (*x, *y, *yaw) = (x_m, y_m, yaw_rad);
+        }
+    }
+
     /// One of them as a pose.
     pub fn pose(&self, idx: usize) -> Option<Pose2> {
         Some(pose2(*self.x_m.get(idx)?, *self.y_m.get(idx)?, *self.yaw_rad.get(idx)?))

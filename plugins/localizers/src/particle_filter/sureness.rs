@@ -54,6 +54,11 @@ impl Sureness {
         Sureness { rules, status: Status::Converging, has_tracked: false, n_tight, n_unfit: 0 }
     }
 
+    /// The robot was followed at some time, and is not lost.
+    pub fn has_tracked(&self) -> bool {
+        self.has_tracked && self.status != Status::Lost
+    }
+
     /// The present status.
     pub fn status(&self) -> Status {
         self.status
