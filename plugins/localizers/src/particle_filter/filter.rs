@@ -85,8 +85,10 @@ impl ParticleFilter {
     /// Share of particles that are scattered after all weights were lost.
     const SCATTERED_AFTER_LOSS: f64 = 0.1;
     /// Share of particles that are scattered while the best place does not fit.
-    const SCATTERED_TO_SEARCH: f64 = 0.3;
+    const SCATTERED_TO_SEARCH: f64 = 0.6;
 
+    /// Guesses of a robot that may be anywhere, for each particle that there may be.
+    const GUESSES_PER_PARTICLE: usize = 4;
     /// From this share of scattered particles on, their bins count too, and many particles are drawn to search with: a
     /// smaller share is the noise of the fit along the way, which should cost no more than a few.
     const SEARCH_SHARE: f64 = 0.1;
@@ -149,10 +151,11 @@ impl ParticleFilter {
         self.particles.equalize();
     }
 
-    /// Begins anywhere, with as many particles as there may be.
+    /// Begins anywhere. Guesses are cheap before the first scan has been weighed: there are several times as many as there
+    /// may be particles, and the first resampling keeps the best.
     pub fn start_anywhere(&mut self, terrain: &Terrain, grid: &Grid) {
         let mut rng = self.begin();
-        let n = self.settings.bound.max_particles;
+        let n = self.settings.bound.max_particles * Self::GUESSES_PER_PARTICLE;
         terrain.free.spread(grid, n, &mut rng).into_iter().for_each(|pose| self.particles.push(pose));
         self.particles.equalize();
     }

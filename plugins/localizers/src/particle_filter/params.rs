@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 pub struct ParticleFilterParams {
     /// Fewest particles.
     pub min_particles: usize,
-    /// Most particles; a robot that may be anywhere starts with so many. Some 30 for each square meter of free floor
-    /// find it surely.
+    /// Most particles; a robot that may be anywhere starts with four times as many guesses. Some 20 particles for each
+    /// square meter of free floor find it surely.
     pub max_particles: usize,
     /// The number of particles follows the spread of the belief (KLD-sampling); else it stays.
     pub adaptive: bool,
@@ -104,7 +104,7 @@ impl Default for ParticleFilterParams {
             init_clearance_m: 0.2,
             unknown_penalty: 5.0,
             max_odom_jump_m: 1.0,
-            search_below: 0.9,
+            search_below: 0.8,
             least_explained: 0.3,
             found_after_updates: 5,
             lost_after_updates: 10,

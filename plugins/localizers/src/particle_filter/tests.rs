@@ -462,5 +462,5 @@ fn an_older_scan_of_another_sensor_is_weighed_from_where_the_robot_was_then() {
     let (estimate, counters) = watched(&mut *localizer, &seen, &map()).unwrap();
     assert_eq!(counters["updates"], 2.0);
     assert!(counters["share of beams explained"] > 0.9, "{counters:?}");
-    assert!(off_m(&estimate, 4.38, 3.0) < 0.06, "{}", estimate.pose2());
+    assert!(off_m(&estimate, 4.38, 3.0) < 0.12, "{}", estimate.pose2());
 }
