@@ -7,7 +7,7 @@ use super::filter::{ParticleFilter, Weighed};
 use super::measurement::MeasurementModel;
 use super::odometry_history::{OdometryHistory, Reading, is_jump};
 use super::scan_queue::{PendingScan, ScanQueue};
-use super::sureness::Sureness;
+use super::sureness::{Sureness, is_tight};
 use super::terrain::Terrain;
 use super::tracker_settings::{Counters, TrackerSettings};
 use super::wishes::wish;
@@ -299,7 +299,10 @@ impl MonteCarlo {
         let best = clusters.first().map(|cluster| (cluster.map_from_base, cluster.covariance));
         let (map_from_base, covariance) = best.unwrap_or((Pose2::identity(), Matrix3::identity() * 1e6));
         let terrain = self.terrain.as_ref().filter(|terrain| terrain.has_obstacles);
-        let explained = terrain.and_then(|terrain| terrain.explained(&scans, &map_from_base));
+        // The middle of a wide cluster is nowhere in particular, and its fit says nothing.
+        let is_place = clusters.first().is_some_and(is_tight);
+        let explained =
+            terrain.filter(|_| is_place).and_then(|terrain| terrain.explained(&scans, &map_from_base));
         self.sureness.judge(&clusters, explained);
         self.anchor =
             Some(Anchor { map_from_base, covariance, odom_from_base, stamp, scans, clusters, explained });

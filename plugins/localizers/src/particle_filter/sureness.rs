@@ -39,6 +39,11 @@ const KEPT: Limits = Limits { weight: 0.6, deviation_m: 0.6, deviation_rad: 0.4 
 const CANDIDATE_WEIGHT: f64 = 0.05;
 const CANDIDATES_TOGETHER: f64 = 0.8;
 
+/// The cluster is one place, whatever its weight.
+pub fn is_tight(cluster: &Cluster) -> bool {
+    Limits { weight: 0.0, ..KEPT }.hold(cluster)
+}
+
 impl Limits {
     fn hold(&self, cluster: &Cluster) -> bool {
         cluster.weight >= self.weight
