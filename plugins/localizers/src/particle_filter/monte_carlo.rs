@@ -285,11 +285,10 @@ impl MonteCarlo {
         self.continuity.choose(&mut clusters, last.map(|last| last.expected_at(&odom_from_base)));
         let best = clusters.first().map(|cluster| (cluster.map_from_base, cluster.covariance));
         let (map_from_base, covariance) = best.unwrap_or((Pose2::identity(), Matrix3::identity() * 1e6));
-        let terrain = self.terrain.as_ref().filter(|terrain| terrain.has_obstacles);
         // The middle of a wide cluster is nowhere in particular, and its fit says nothing.
         let is_place = clusters.first().is_some_and(is_tight);
-        let explained =
-            terrain.filter(|_| is_place).and_then(|terrain| terrain.explained(&scans, &map_from_base));
+        let terrain = self.terrain.as_ref().filter(|terrain| is_place && terrain.has_obstacles);
+        let explained = terrain.and_then(|terrain| terrain.explained(&scans, &map_from_base));
         self.sureness.judge(&clusters, explained);
         self.anchor =
             Some(Anchor { map_from_base, covariance, odom_from_base, stamp, scans, clusters, explained });
