@@ -9,7 +9,7 @@ mod loop_world;
 use loop_world::{GlobalRun, LoopWorld, global_run, tracking_rms_m};
 use rumbo_localizers::particle_filter::ParticleFilterParams;
 
-fn main() {
+fn main() -> Result<(), String> {
     let mut arguments = std::env::args().skip(1);
     let n: u64 = arguments.next().map_or(100, |word| word.parse().expect("a number of seeds"));
     let text = arguments.next().unwrap_or_default();
@@ -17,19 +17,24 @@ fn main() {
     let world = LoopWorld::load();
     let runs: Vec<GlobalRun> = (1..=n).map(|seed| global_run(&world, &params, seed)).collect();
     let count = |is: fn(&GlobalRun) -> bool| runs.iter().filter(|run| is(run)).count();
-    println!(
-        "within 0.3 m after 10 updates and for the rest: {} of {n}",
-        count(|run| run.worst_after_ten_m <= 0.3)
-    );
-    println!(
-        "recovered within 15 updates: {} of {n}",
-        count(|run| run.recovered_after.is_some_and(|n| n <= 15))
-    );
+    let n_found = count(|run| run.worst_after_ten_m <= 0.3);
+    let n_recovered = count(|run| run.recovered_after.is_some_and(|n| n <= 15));
+    println!("within 0.3 m after 10 updates and for the rest: {n_found} of {n}");
+    println!("recovered within 15 updates: {n_recovered} of {n}");
     quantiles("updates to recover", runs.iter().map(|run| run.recovered_after.map_or(99.0, |n| n as f64)));
     quantiles("rms after 10 updates, m", runs.iter().map(|run| run.rms_m));
     quantiles("usual particles after convergence", runs.iter().map(|run| run.usual_particles as f64));
-    quantiles("rms from a known pose, m", (1..=n).map(|seed| tracking_rms_m(&world, &params, seed)));
+    let known: Vec<f64> = (1..=n).map(|seed| tracking_rms_m(&world, &params, seed)).collect();
+    quantiles("rms from a known pose, m", known.iter().copied());
+    let enough = |found: usize| found as f64 >= LEAST_SHARE * n as f64;
+    let is_good = enough(n_found) && enough(n_recovered) && known.iter().all(|rms_m| *rms_m <= MOST_RMS_M);
+    if is_good { Ok(()) } else { Err("a bar was missed".to_owned()) }
 }
+
+/// Share of the seeds that must find, and find again, the robot.
+const LEAST_SHARE: f64 = 0.95;
+/// Error while the robot is followed from a known pose, root mean square, meters.
+const MOST_RMS_M: f64 = 0.06;
 
 fn quantiles(what: &str, values: impl Iterator<Item = f64>) {
     let mut values: Vec<f64> = values.collect();

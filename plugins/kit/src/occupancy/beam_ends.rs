@@ -106,6 +106,17 @@ impl BeamEnds {
         }
     }
 
+    /// How the beam before the first one ends, where the fan is closed.
+    pub(super) fn neighbor_before_first(&self) -> BeamEnd {
+        self.ends.last().copied().filter(|_| self.is_closed).unwrap_or(BeamEnd::Nothing)
+    }
+
+    /// How the beam after this one ends.
+    pub(super) fn after(&self, idx: usize) -> BeamEnd {
+        let next = self.ends.get(idx + 1).or_else(|| self.ends.first().filter(|_| self.is_closed));
+        next.copied().unwrap_or(BeamEnd::Nothing)
+    }
+
     /// Directions of the beams; made anew only when the scanner changes.
     fn point(&mut self, scan: &LaserScan) {
         let n = scan.ranges_m.len();

@@ -51,9 +51,19 @@ impl ScanPainter {
         }
         self.passed.clear();
         self.hits.clear();
+        let is_fan_of_lines = match free_space {
+            FreeSpace::Beams => true,
+            FreeSpace::Area { widest_wedge_rad } => beams.step_rad.abs() > widest_wedge_rad,
+        };
         let at_sensor = size.index(sensor[0] as usize, sensor[1] as usize);
+        self.hits.reserve(beams.n_hits);
         let mut says_something = false;
-        for (idx, end) in beams.ends.iter().enumerate().filter(|(_, end)| **end != BeamEnd::Nothing) {
+        let mut before = beams.neighbor_before_first();
+        for (idx, end) in beams.ends.iter().copied().enumerate() {
+            let beside = [std::mem::replace(&mut before, end), beams.after(idx)];
+            if end == BeamEnd::Nothing {
+                continue;
+            }
             let cell = [beams.x[idx], beams.y[idx]].map(|v| floor(v * scale));
             if cell == sensor {
                 continue;
@@ -61,14 +71,15 @@ impl ScanPainter {
             says_something = true;
             let is_inside = inside(cell);
             let index = if is_inside { size.index(cell[0] as usize, cell[1] as usize) } else { 0 };
-            if is_line(beams, idx, free_space) {
+            // Without a neighbor it bounds no area, so its own cells are all that it says.
+            if is_fan_of_lines || beside == [BeamEnd::Nothing; 2] {
                 let passed = &mut self.passed;
                 line_cells(size, sensor, cell, |passing| passed.push((passing as u32, cells[passing])));
-                if *end == BeamEnd::Open && is_inside {
+                if end == BeamEnd::Open && is_inside {
                     passed.push((index as u32, cells[index]));
                 }
             }
-            if *end == BeamEnd::Hit && is_inside {
+            if end == BeamEnd::Hit && is_inside {
                 self.hits.push((index as u32, cells[index]));
             }
         }
@@ -88,16 +99,4 @@ impl ScanPainter {
         }
         true
     }
-}
-
-/// The beam bounds no area, so its own cells are all that it says.
-fn is_line(beams: &BeamEnds, idx: usize, free_space: FreeSpace) -> bool {
-    let FreeSpace::Area { widest_wedge_rad } = free_space else { return true };
-    let n = beams.ends.len();
-    let says = |other: Option<usize>| {
-        other.and_then(|other| beams.ends.get(other)).is_some_and(|end| *end != BeamEnd::Nothing)
-    };
-    let before = idx.checked_sub(1).or(beams.is_closed.then_some(n.wrapping_sub(1)));
-    let after = if idx + 1 < n { Some(idx + 1) } else { beams.is_closed.then_some(0) };
-    beams.step_rad.abs() > widest_wedge_rad || !(says(before) || says(after))
 }
