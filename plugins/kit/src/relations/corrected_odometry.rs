@@ -23,13 +23,24 @@ pub struct CorrectedOdometry<'a> {
 impl CorrectedOdometry<'_> {
     /// The pose at a stamp; none where the odometer has no reading about there.
     pub fn pose_at(&self, stamp: Time) -> Option<Pose3> {
+        // Stamps of relations are rounded, those of the log are not.
+        let stamp = self
+            .odometry
+            .nearest(stamp)
+            .map(|read| read.stamp)
+            .filter(|read| self.is_same(*read, stamp))
+            .unwrap_or(stamp);
         let known = self.poses.nearest(stamp)?;
-        if (known.stamp - stamp).0.abs() <= self.tolerance.0 {
+        if self.is_same(known.stamp, stamp) {
             return Some(known.world_from_body);
         }
         let odom_from_known = self.odometer_at(known.stamp)?;
         let odom_from_base = self.odometer_at(stamp)?;
         Some(known.world_from_body * odom_from_known.inverse() * odom_from_base)
+    }
+
+    fn is_same(&self, a: Time, b: Time) -> bool {
+        (a - b).0.abs() <= self.tolerance.0
     }
 
     fn odometer_at(&self, stamp: Time) -> Option<Pose3> {
