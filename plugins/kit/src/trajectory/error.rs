@@ -90,6 +90,7 @@ impl TrajectoryError {
                 TrajectoryError::Empty { path, found: "the file is empty".to_owned(), expected }
             }
             LogError::NoRecords { path, found, expected } => {
+                let found = format!("no record found: {found}");
                 TrajectoryError::Empty { path, found, expected: expected.to_owned() }
             }
         }

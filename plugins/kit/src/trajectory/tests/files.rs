@@ -150,7 +150,7 @@ fn what_cannot_be_mended_is_told_with_file_line_and_the_way_out() {
             "FILE:1: pose.rotation is [-1 0 0; 0 1 0; 0 0 1], expected a rotation",
         ),
         ("1 nan 3 0\n", "FILE: no pose (1 line was left out, first line 1: pose.x is NaN"),
-        ("hello\n", "FILE: 1 lines, line 1 begins with `hello`, expected a CARMEN log"),
+        ("hello\n", "FILE: no record found: 1 lines, line 1 begins with `hello`, expected a CARMEN log"),
     ] {
         let message = error(text);
         assert!(message.contains(expected), "{text:?} gave {message}");
