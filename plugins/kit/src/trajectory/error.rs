@@ -57,7 +57,7 @@ pub enum TrajectoryError {
         /// The file.
         path: PathBuf,
         /// What is wrong with it.
-        fault: LineFault,
+        fault: Box<LineFault>,
         /// The format it was taken for.
         format: &'static str,
     },
@@ -97,6 +97,6 @@ impl TrajectoryError {
     }
 
     pub(crate) fn of_line(path: &Path, fault: LineFault, format: &'static str) -> TrajectoryError {
-        TrajectoryError::Line { path: path.to_owned(), fault, format }
+        TrajectoryError::Line { path: path.to_owned(), fault: Box::new(fault), format }
     }
 }
