@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example record_log -- PIPELINE.toml LOG.clf.gz [KEY=VALUE...]`. The shipped
 //! `pipelines/logs/office_tour.clf.gz` was written from `pipelines/office_tour.toml` with
-//! `sensor.front_laser.resolution_deg=1.0 sensor.front_laser.rate_hz=2.0 sensor.wheels.rate_hz=4.0`.
+//! `sensor.front_laser.resolution_deg=1.0 sensor.front_laser.rate_hz=1.0 sensor.wheels.rate_hz=4.0`.
 #![allow(clippy::print_stdout)]
 
 use flate2::Compression;

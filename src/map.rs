@@ -8,6 +8,7 @@ use crate::exit::{Exit, Failure};
 use crate::load::{self, Ready};
 use crate::outcome::Outcome;
 use crate::report;
+use crate::run::summary::notices;
 use crate::run::{exit_of, on_interrupt, write_picture};
 use crate::terminal::{Terminal, make_folder_of, write_file};
 use rumbo_core::engine::Observer;
@@ -219,9 +220,7 @@ fn say(made: &Made, driven: &Driven, written: &[(&str, PathBuf)], terminal: &Ter
     ];
     rows.extend(written.iter().map(|(name, path)| (*name, path.display().to_string())));
     terminal.say(terminal.strong(&driven.record.name));
-    for event in driven.record.events.iter().filter(|event| event.is_notice) {
-        terminal.say(format!("  {} {}", terminal.bad("note:"), event.text));
-    }
+    notices(&driven.record.events, terminal).for_each(|line| terminal.say(line));
     for (name, value) in rows {
         terminal.say(format!("  {}  {value}", terminal.soft(&format!("{name:7}"))));
     }

@@ -3,7 +3,7 @@
 mod open;
 mod pace;
 mod progress;
-mod summary;
+pub mod summary;
 
 use crate::drive::drive;
 use crate::exit::{Exit, Failure};
@@ -82,7 +82,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     };
     let written = write_files(args, &record)?;
     if !args.quiet {
-        terminal.say(summary::summary(outcome, &written, terminal));
+        terminal.say(summary::summary(outcome, &record.events, &written, terminal));
     }
     if args.json {
         terminal.json(outcome)?;

@@ -18,7 +18,8 @@ pub fn pipeline_text(log: &Path, poses: Option<&Path>, resolution_m: f64) -> Str
          [[sensor]]\nname = \"odometry\"\nplugin = \"wheel_encoders\"\n\n\
          [localizer]\nplugin = \"recorded_pose\"\n{poses}only_exact = true\n\n\
          [mission]\ninitial_pose = \"unknown\"\n\n\
-         [map_builder]\nplugin = \"occupancy_grid\"\nresolution_m = {resolution_m:?}\nlevels = 1\n",
+         [map_builder]\nplugin = \"occupancy_grid\"\nresolution_m = {resolution_m:?}\nlevels = 1\n\
+         max_pose_age_s = 0.0\n",
         toml::Value::from(format!("map of {name}")),
         quoted(log),
     )

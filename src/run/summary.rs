@@ -1,16 +1,23 @@
 //! The last words of a run.
 
 use crate::outcome::Outcome;
+use crate::record::EventRecord;
 use crate::report::figures;
 use crate::terminal::Terminal;
 use std::path::PathBuf;
 
 /// The figures in aligned plain words, what to try next, and the files that were written.
-pub fn summary(outcome: &Outcome, written: &[(&str, PathBuf)], terminal: &Terminal) -> String {
+pub fn summary(
+    outcome: &Outcome,
+    events: &[EventRecord],
+    written: &[(&str, PathBuf)],
+    terminal: &Terminal,
+) -> String {
     let reason = outcome.reason.to_string().replace('_', " ");
     let reason = if outcome.is_success() { terminal.good(&reason) } else { terminal.bad(&reason) };
     let mut lines = vec![format!("{}: {reason}", terminal.strong(&outcome.pipeline))];
     lines.extend(outcome.detail.iter().map(|detail| format!("  {detail}")));
+    lines.extend(notices(events, terminal));
     let figures = figures(outcome);
     let files = written.iter().map(|(name, path)| (*name, path.display().to_string(), false));
     let rows: Vec<(&str, String, bool)> = figures
@@ -28,6 +35,12 @@ pub fn summary(outcome: &Outcome, written: &[(&str, PathBuf)], terminal: &Termin
     lines.join("\n")
 }
 
+/// What the world itself had to tell.
+pub fn notices<'a>(events: &'a [EventRecord], terminal: &'a Terminal) -> impl Iterator<Item = String> + 'a {
+    let notices = events.iter().filter(|event| event.is_notice);
+    notices.map(|event| format!("  {} {}", terminal.bad("note:"), event.text))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -39,7 +52,7 @@ mod tests {
         outcome.reason = rumbo_core::engine::EndReason::Unreachable;
         outcome.arrived = false;
         outcome.detail = Some("the door is closed".into());
-        let text = summary(&outcome, &[("report", "out/a.html".into())], &Terminal::new(Some(false)));
+        let text = summary(&outcome, &[], &[("report", "out/a.html".into())], &Terminal::new(Some(false)));
         assert!(text.contains("unreachable") && text.contains("the door is closed") && text.contains("try:"));
         let column =
             |part: &str| text.lines().find(|line| line.contains(part)).and_then(|l| l.find(part)).unwrap();

@@ -19,7 +19,7 @@ pub struct Summary {
     pub detail: Option<String>,
     /// Time in the world, seconds.
     pub time_s: f64,
-    /// Way driven: by the truth where it is known, else by the estimate, meters.
+    /// Way driven: by the truth where it is known, else by the odometer, which does not jump, meters.
     pub path_m: f64,
     /// True end to the last goal, meters.
     pub goal_error_m: Option<f64>,
@@ -113,7 +113,7 @@ impl Metrics {
     fn follow(&mut self, view: &StepView<'_>) {
         let position: Point2 = match view.truth {
             Some(truth) => flatten(&truth.map_from_base).translation.vector.into(),
-            None => view.map_from_base.translation.vector.into(),
+            None => view.odom_from_base.translation.vector.into(),
         };
         self.path_m += self.last_position.map_or(0.0, |last| (position - last).norm());
         self.last_position = Some(position);

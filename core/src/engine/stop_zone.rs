@@ -1,7 +1,7 @@
 //! The stop zone: how far the hull may still go along the commanded motion.
 //!
-//! Measured from the hull, as long as `v²/(2·braking) + v·latency + margin`; it blocks only motion that closes the
-//! distance, so that turning in place and retreating stay allowed where the swept hull is free.
+//! The way to a standstill at the present speed, `v²/(2·braking) + v·latency`, and a margin, counted from the hull. Only
+//! motion toward what is that near is held back: a robot may always back out or turn away if its hull passes.
 
 use crate::frames::{Point2, Pose2, Twist, flatten};
 use crate::messages::{Data, Observation, SensorId};

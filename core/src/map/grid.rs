@@ -205,14 +205,16 @@ impl Grid {
     /// Columns and rows of the smallest rectangle that holds every known cell; none where no cell is known.
     pub fn known_extent(&self) -> Option<(Range<u32>, Range<u32>)> {
         let is_known = |v: &f32| self.class_of(*v) != CellClass::Unknown;
-        let (mut cols, mut rows) = (u32::MAX..0, u32::MAX..0);
-        for (row, cells) in self.cells.chunks(self.header.width as usize).enumerate() {
+        let mut extent: Option<(Range<u32>, Range<u32>)> = None;
+        for (row, cells) in (0..).zip(self.cells.chunks(self.header.width as usize)) {
             let first = cells.iter().position(is_known);
             let (Some(first), Some(last)) = (first, cells.iter().rposition(is_known)) else { continue };
-            cols = cols.start.min(first as u32)..cols.end.max(last as u32 + 1);
-            rows = rows.start.min(row as u32)..row as u32 + 1;
+            let (first, end) = (first as u32, last as u32 + 1);
+            let (cols, rows) = extent.get_or_insert((first..end, row..row + 1));
+            *cols = cols.start.min(first)..cols.end.max(end);
+            rows.end = row + 1;
         }
-        (cols.start < cols.end).then_some((cols, rows))
+        extent
     }
 
     /// Floor that is free, m².

@@ -73,7 +73,7 @@ fn generate() -> Vec<Taken> {
             let directions: Vec<[f64; 2]> = bearings.map(|b| [b.cos(), b.sin()]).collect();
             let mut cells = vec![0.0; directions.len()];
             grid.cast_fan([x, y], 0.0, &directions, f64::from(REACH_M) / RESOLUTION_M, &mut cells);
-            let ranges = cells.iter().map(|cells| (f64::from(*cells) * RESOLUTION_M) as f32).collect();
+            let ranges = cells.iter().map(|cells| (cells * RESOLUTION_M) as f32).collect();
             Taken {
                 pose: [x * RESOLUTION_M, y * RESOLUTION_M, yaw],
                 scan: scan(-std::f64::consts::FRAC_PI_2, step_rad, ranges),

@@ -4,13 +4,17 @@
 //! The grid kernels work on plain slices and sizes in cells, so they can be used without the framework.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod beam_table;
 pub mod cost_field;
 pub mod distance_field;
 pub mod generated_world;
+pub mod grid_poses;
 mod grid_size;
+pub mod likelihood_field;
 pub mod log_file;
 pub mod map_comparison;
 pub mod map_file;
+pub mod normal;
 pub mod occupancy;
 pub mod proximity;
 pub mod ray;

@@ -37,6 +37,12 @@ pub trait Vectors {
     /// Copies a square of `LINE_CELLS` lines transposed; the lines of each side begin `stride` apart. Bit `i` of the
     /// answer says that line `i` of `to` was lowered somewhere.
     fn transpose(from: &[f64], from_stride: usize, to: &mut [f64], to_stride: usize) -> u64;
+
+    /// Sum of the bytes of a table at these places; a place beyond its end counts 255.
+    #[inline(always)]
+    fn sum_of<const N: usize>(table: &[u8], places: &[u32; N]) -> u32 {
+        places.iter().map(|place| u32::from(table.get(*place as usize).copied().unwrap_or(u8::MAX))).sum()
+    }
 }
 
 /// The twin for every processor.

@@ -46,7 +46,7 @@ pub struct OccupancyGridParams {
     /// A pose whose standard deviation along x or y is larger inserts nothing, meters.
     pub max_pose_std_m: f64,
     /// A scan farther than this from the estimate in time is not inserted, seconds: the odometer alone does not carry
-    /// a pose that far.
+    /// a pose that far. 0 takes only scans of the estimate's own time.
     pub max_pose_age_s: f64,
     /// Nearer readings are dropped, meters.
     pub min_range_m: f64,
@@ -120,7 +120,6 @@ impl Params for OccupancyGridParams {
         let lengths = [
             ("resolution_m", self.resolution_m),
             ("max_pose_std_m", self.max_pose_std_m),
-            ("max_pose_age_s", self.max_pose_age_s),
             ("max_range_m", self.max_range_m),
             ("clear_range_m", self.clear_range_m.unwrap_or(1.0)),
             ("widest_wedge_deg", self.widest_wedge_deg),
@@ -129,6 +128,7 @@ impl Params for OccupancyGridParams {
             expect(positive(value), key, &value, "a finite number above 0");
         }
         let at_least_0 = [
+            ("max_pose_age_s", self.max_pose_age_s),
             ("map_update_distance_m", self.map_update_distance_m),
             ("map_update_angle_deg", self.map_update_angle_deg),
             ("min_range_m", self.min_range_m),

@@ -1,0 +1,35 @@
+//! `particle_filter`: Monte-Carlo localization on a grid map.
+//!
+//! KLD-adaptive (Fox 2001), with recovery from kidnapping (augmented MCL; Thrun, Burgard, Fox, *Probabilistic Robotics*
+//! (2005), chapters 4 to 6 and 8). One update: move the particles, weigh them by the scans, say where the robot is,
+//! draw new ones. Read [`filter`] first, then [`monte_carlo`], which decides when.
+
+mod params;
+mod plugin;
+
+pub mod anchor;
+pub mod beams;
+pub mod clusters;
+mod continuity;
+pub mod filter;
+pub mod free_space;
+pub mod kld;
+pub mod measurement;
+pub mod monte_carlo;
+pub mod motion;
+pub mod odometry_history;
+pub mod particles;
+pub mod pose_bins;
+pub mod recovery;
+pub mod resampling;
+pub mod scan_queue;
+pub mod streams;
+pub mod sureness;
+pub mod terrain;
+pub mod tracker_settings;
+pub mod wishes;
+
+#[cfg(test)]
+mod tests;
+
+pub use params::ParticleFilterParams;

@@ -1,0 +1,95 @@
+//! The map as the filter sees it: what scans can hit, where a robot can be.
+
+use super::beams::ScanBeams;
+use super::free_space::FreeSpace;
+use super::measurement::{MeasurementModel, Obstacles, ScanLikelihood};
+use rumbo_core::frames::{Point2, Pose2};
+use rumbo_core::map::{CellClass, Grid};
+use rumbo_kit::GridSize;
+
+/// Everything that is computed once for a version of the map.
+pub struct Terrain {
+    /// Version of the map that it was made of.
+    pub version: u64,
+    /// Places for particles that may be anywhere.
+    pub free: FreeSpace,
+    /// The measurement model on this map.
+    pub likelihood: Box<dyn ScanLikelihood>,
+    /// Some cell is occupied: without any, scans say nothing.
+    pub has_obstacles: bool,
+    size: GridSize,
+    grid_from_map: Pose2,
+    resolution_m: f64,
+    /// Log-weight that being in each cell costs.
+    penalties: Vec<f32>,
+    outside_penalty: f32,
+}
+
+/// Log-weights that impossible places cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Penalties {
+    /// In an occupied cell or off the map.
+    pub occupied: f64,
+    /// In a cell that nobody has seen.
+    pub unknown: f64,
+}
+
+impl Terrain {
+    /// Prepares a map.
+    pub fn new(
+        version: u64,
+        grid: &Grid,
+        model: &dyn MeasurementModel,
+        clearance_m: f64,
+        penalties: Penalties,
+    ) -> Terrain {
+        let size = GridSize::new(grid.width() as usize, grid.height() as usize);
+        let occupied: Vec<u8> =
+            grid.cells.iter().map(|v| u8::from(grid.class_of(*v) == CellClass::Occupied)).collect();
+        let obstacles = Obstacles { size, resolution_m: grid.resolution_m(), occupied: &occupied };
+        let penalty = |log_odds: &f32| match grid.class_of(*log_odds) {
+            CellClass::Free => 0.0,
+            CellClass::Occupied => penalties.occupied as f32,
+            CellClass::Unknown => penalties.unknown as f32,
+        };
+        Terrain {
+            version,
+            free: FreeSpace::of(grid, clearance_m),
+            likelihood: model.on_map(&obstacles),
+            has_obstacles: occupied.contains(&1),
+            size,
+            grid_from_map: grid.grid_from_map(),
+            resolution_m: grid.resolution_m(),
+            penalties: grid.cells.iter().map(penalty).collect(),
+            outside_penalty: penalties.occupied as f32,
+        }
+    }
+
+    /// x and y in cells and heading in the grid's own frame of a pose in the map.
+    #[inline]
+    pub fn in_grid(&self, [x_m, y_m, yaw_rad]: [f64; 3]) -> [f64; 3] {
+        let place = self.grid_from_map * Point2::new(x_m, y_m) / self.resolution_m;
+        [place.x, place.y, yaw_rad + self.grid_from_map.rotation.angle()]
+    }
+
+    /// Log-weight that being at a place (in cells) costs.
+    #[inline]
+    pub fn penalty(&self, x: f32, y: f32) -> f64 {
+        let (width, height) = (self.size.width as f32, self.size.height as f32);
+        let is_inside = x >= 0.0 && y >= 0.0 && x < width && y < height;
+        let cell = if is_inside { self.penalties.get(self.size.index(x as usize, y as usize)) } else { None };
+        f64::from(*cell.unwrap_or(&self.outside_penalty))
+    }
+
+    /// Share of the beams of all scans that the map explains from a pose; none if no beam says anything.
+    pub fn explained(&self, scans: &[ScanBeams], map_from_base: &Pose2) -> Option<f64> {
+        let place = map_from_base.translation.vector;
+        let pose = self.in_grid([place.x, place.y, map_from_base.rotation.angle()]);
+        let count = |[near, all]: [usize; 2], scan: &ScanBeams| {
+            let [n, of] = self.likelihood.explained(scan, pose);
+            [near + n, all + of]
+        };
+        let [near, all] = scans.iter().fold([0, 0], count);
+        (all > 0).then(|| near as f64 / all as f64)
+    }
+}

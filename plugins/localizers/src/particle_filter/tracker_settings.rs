@@ -1,0 +1,46 @@
+//! What the localizer around the filter is told, and what it counts.
+
+use super::sureness::SurenessRules;
+use super::terrain::Penalties;
+
+/// Numbers of the localizer around the filter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackerSettings {
+    /// The filter is updated after this much way, meters.
+    pub update_min_d_m: f64,
+    /// Or this much turn, radians.
+    pub update_min_a_rad: f64,
+    /// Beams of a scan that are looked at.
+    pub max_beams: usize,
+    /// Distance from obstacles of particles that may be anywhere, meters.
+    pub init_clearance_m: f64,
+    /// Two readings of the odometer farther apart than this are a jump, meters.
+    pub max_odom_jump_m: f64,
+    /// What impossible places cost.
+    pub penalties: Penalties,
+    /// Where the best place explains less than this share of the beams, others are searched.
+    pub search_below: f64,
+    /// When the robot is lost.
+    pub rules: SurenessRules,
+    /// The robot may be asked to move.
+    pub may_wish: bool,
+    /// Radius of the hull, meters.
+    pub radius_m: f64,
+    /// What the robot can do, m/s and rad/s.
+    pub max_speed: [f64; 2],
+}
+
+/// What was received, used and dropped since the start; all go up only.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Updates of the filter with scans.
+    pub updates: u64,
+    /// Readings of the odometer that came twice, too late, or held a number that is none.
+    pub odometry_dropped: u64,
+    /// Jumps of the odometer.
+    pub odometry_jumps: u64,
+    /// Updates without a beam that said anything.
+    pub without_beams: u64,
+    /// Updates that left no particle with any weight.
+    pub degenerate: u64,
+}
