@@ -5,13 +5,16 @@
 //! below DATA.
 #![allow(clippy::print_stdout)]
 
-use rumbo_core::time::Span;
+use nalgebra::{Quaternion, Translation3, UnitQuaternion};
+use rumbo_core::frames::Pose3;
+use rumbo_core::time::{Span, Time};
 use rumbo_kit::relations::{CorrectedOdometry, pose_near, read_relations, relation_errors};
 use rumbo_kit::spread::Spread;
 use rumbo_kit::trajectory::{
-    Alignment, PairChoice, Step, Trajectory, TrajectoryFormat, absolute_errors, align, index_pairs,
-    pose_pairs, read_trajectory, relative_errors,
+    Alignment, PairChoice, StampedPose, Step, Trajectory, TrajectoryFormat, absolute_errors, align,
+    index_pairs, pose_pairs, read_trajectory, relative_errors,
 };
+use serde_json::Value;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -69,6 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (truth, estimate, known) in PAIRS {
         n_different += trajectory_pair(&data.join("trajectories"), truth, estimate, known)?;
     }
+    n_different += extract(&data.join("trajectories"))?;
     for (building, log, odometry, graph, filter) in LOGS {
         n_different +=
             building_log(&data.join("carmen").join(building), building, log, odometry, graph, filter)?;
@@ -80,11 +84,71 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Forty pairs of freiburg1_xyz and the whole sequence, with errors to twelve digits.
+fn extract(folder: &Path) -> Result<usize, Box<dyn Error>> {
+    const DIGIT: f64 = 1e-9;
+    let text = std::fs::read_to_string(folder.join("tum_fr1_xyz_extract.json"))?;
+    let extract: Value = serde_json::from_str(&text)?;
+    let lines = |stamps: &str, poses: &str| -> Option<Vec<StampedPose>> {
+        let rows = extract[stamps].as_array()?.iter().zip(extract[poses].as_array()?);
+        rows.map(|(stamp, row)| {
+            let [tx, ty, tz, qx, qy, qz, qw] =
+                std::array::from_fn(|idx| row[idx].as_f64().unwrap_or(f64::NAN));
+            let rotation = UnitQuaternion::new_normalize(Quaternion::new(qw, qx, qy, qz));
+            let world_from_body = Pose3::from_parts(Translation3::new(tx, ty, tz), rotation);
+            Some(StampedPose { stamp: Time::from_secs(stamp.as_f64()?), world_from_body })
+        })
+        .collect()
+    };
+    let (truth, estimate) = lines("stamps_gt", "ground_truth")
+        .zip(lines("stamps_est", "estimate"))
+        .ok_or("the extract has other keys")?;
+    let gap = Span::from_secs(0.02);
+    let few = pose_pairs(&Trajectory::of(truth).0, &Trajectory::of(estimate).0, gap);
+    let read = |name: &str| read_trajectory(&folder.join(format!("freiburg1_xyz-{name}.txt.gz")), None, None);
+    let all = pose_pairs(&read("groundtruth")?.trajectory, &read("rgbdslam")?.trajectory, gap);
+    println!("extract: {} pairs; whole sequence: {} pairs", few.len(), all.len());
+    let mut n = usize::from(few.len() != 40) + usize::from(all.len() != 786);
+    let mut check = |name: &str, errors: Vec<f64>, known: &Value| {
+        let found =
+            Spread::of(errors).map_or([f64::NAN; 6], |s| [s.rmse, s.mean, s.median, s.std, s.min, s.max]);
+        for (key, found) in ["rmse", "mean", "median", "std_population", "min", "max"].iter().zip(found) {
+            n += differs(&format!("{name}, {key}"), found, known[*key].as_f64().unwrap_or(f64::NAN), DIGIT);
+        }
+    };
+    for (name, pairs, known, steps) in [
+        ("extract", &few, &extract, "rpe_delta_1_entry"),
+        ("sequence", &all, &extract["full_sequence_reference"], "rpe_1_frame"),
+    ] {
+        let alignment = align(pairs, Alignment::Se3)?;
+        check(&format!("{name} ATE"), absolute_errors(pairs, &alignment), &known["ate"]);
+        let relative =
+            |choice| relative_errors(pairs, &alignment, &index_pairs(pairs, Step::Frames(1), choice));
+        let step = relative(PairChoice::Consecutive);
+        check(&format!("{name} RPE, m"), step.translation_m, &known[steps]["translation_m"]);
+        if name == "extract" {
+            check("extract RPE, rad", step.rotation_rad, &known[steps]["rotation_rad"]);
+            let every = relative(PairChoice::All);
+            check(
+                "extract RPE of all pairs, m",
+                every.translation_m,
+                &known["rpe_all_pairs"]["translation_m"],
+            );
+            check(
+                "extract RPE of all pairs, rad",
+                every.rotation_rad,
+                &known["rpe_all_pairs"]["rotation_rad"],
+            );
+        }
+    }
+    Ok(n)
+}
+
 /// Says a figure; one where it differs in a digit that the known one has.
 fn differs(what: &str, found: f64, known: f64, unit_in_last_place: f64) -> usize {
     // Half a unit by rounding; the rest is for binary fractions.
     let is_same = (found - known).abs() <= 0.500_001 * unit_in_last_place;
-    println!("{} {what}: {found:.7}, known {known}", if is_same { "  " } else { "!!" });
+    println!("{} {what}: {found:.9}, known {known}", if is_same { "  " } else { "!!" });
     usize::from(!is_same)
 }
 

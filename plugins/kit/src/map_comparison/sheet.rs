@@ -5,10 +5,10 @@ use rumbo_core::frames::{Point2, Pose2, pose2};
 use super::MapComparisonError;
 use crate::GridSize;
 use crate::distance_field::{LONGEST_SIDE, squared_distance_field};
-use crate::map_file::MapImage;
+use crate::map_file::{DEFAULT_MAX_CELLS, MapImage};
 
-/// The most cells of a distance field: as many as the largest map, for each side of it as much again.
-const MOST_CELLS: usize = 256_000_000;
+/// The most cells of a distance field: those of the largest map, and as many again beside it.
+const MOST_CELLS: usize = 2 * DEFAULT_MAX_CELLS as usize;
 
 /// What a map says of a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
