@@ -3,7 +3,6 @@
 use indicatif::{ProgressBar, ProgressDrawTarget};
 use rumbo_core::engine::{Observer, StepView};
 use rumbo_core::messages::Data;
-use std::time::{Duration, Instant};
 
 /// Counts scans, and shows them where somebody looks.
 pub struct MapWatch {
@@ -13,17 +12,16 @@ pub struct MapWatch {
     pub n_inserted: u64,
     version: Option<u64>,
     bar: Option<ProgressBar>,
-    shown: Instant,
 }
 
 impl MapWatch {
-    /// Between two changes of the line.
-    const PERIOD: Duration = Duration::from_millis(100);
+    /// Scans between two changes of the line.
+    const SHOWN_EVERY: u64 = 64;
 
     /// For a run that starts now.
     pub fn new(is_shown: bool) -> MapWatch {
         let bar = is_shown.then(|| ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr()));
-        MapWatch { n_scans: 0, n_inserted: 0, version: None, bar, shown: Instant::now() }
+        MapWatch { n_scans: 0, n_inserted: 0, version: None, bar }
     }
 
     /// Removes the line.
@@ -41,8 +39,8 @@ impl Observer for MapWatch {
         if self.version.replace(view.map.version).is_some_and(|version| version != view.map.version) {
             self.n_inserted += 1;
         }
-        let Some(bar) = self.bar.as_ref().filter(|_| self.shown.elapsed() >= Self::PERIOD) else { return };
-        self.shown = Instant::now();
+        let is_time = self.n_scans.is_multiple_of(Self::SHOWN_EVERY);
+        let Some(bar) = self.bar.as_ref().filter(|_| is_time) else { return };
         let (seconds, n_scans) = ((view.now - view.started).as_secs(), self.n_scans);
         bar.set_message(format!("{seconds:8.1} s of the recording, {n_scans} scans"));
         bar.tick();

@@ -28,6 +28,11 @@ pub struct Anchor {
 }
 
 impl Anchor {
+    /// Where the robot should be when the odometer says this, with the covariance as it was.
+    pub fn expected_at(&self, odom_from_base: &Pose2) -> (Pose2, Matrix3<f64>) {
+        (self.map_from_base * (self.odom_from_base.inverse() * odom_from_base), self.covariance)
+    }
+
     /// Where the robot is when the odometer says `odom_from_base`; `noise` is what the odometer claims of itself, standard
     /// deviations of distance (m/m), direction (rad/m) and turn (rad/rad).
     pub fn carried_to(

@@ -5,12 +5,14 @@
 
 use super::beams::ScanBeams;
 use super::clusters::{Cluster, Clustering};
+use super::flattening::flattening;
 use super::kld::KldBound;
 use super::motion::MotionModel;
 use super::particles::Particles;
 use super::pose_bins::{BinSet, bin_of};
 use super::recovery::Recovery;
 use super::resampling::{IndependentDraws, low_variance};
+use super::slip::Slipping;
 use super::streams::{Purpose, Streams};
 use super::terrain::Terrain;
 use nalgebra::{Matrix3, Vector3};
@@ -78,10 +80,6 @@ struct Memory {
 }
 
 impl ParticleFilter {
-    /// What slipping wheels leave of the way: none of it, too much of it, or the reverse, as an odometer counts that does
-    /// not know which way its wheels turn.
-    const SLIPPED_WAY: std::ops::Range<f64> = -1.5..1.5;
-
     /// Share of particles that are scattered after all weights were lost.
     const SCATTERED_AFTER_LOSS: f64 = 0.1;
     /// Share of particles that are scattered while the best place does not fit.
@@ -164,27 +162,9 @@ impl ParticleFilter {
     pub fn advance(&mut self, odom_from_before: &Pose2, odom_from_after: &Pose2) {
         self.step += 1;
         let mut rng = self.streams.stream(self.step, Purpose::Motion);
-        let slipping = self.draw_slipping(&mut rng);
+        let slipping = Slipping::draw(&self.particles, self.settings.slip_share, &mut rng);
         self.motion.move_all(odom_from_before, odom_from_after, &mut self.particles, &mut rng);
-        let way = odom_from_before.inverse() * odom_from_after;
-        for (idx, [x, y, yaw], share) in slipping {
-            let ahead = nalgebra::UnitComplex::new(yaw) * way.translation.vector * share;
-            self.particles.put(idx, [x + ahead.x, y + ahead.y, wrap_angle(yaw + way.rotation.angle())]);
-        }
-    }
-
-    /// Particles whose wheels do not tell how far the base went: which, from where, and what share of the way.
-    fn draw_slipping(&self, rng: &mut Rng) -> Vec<(usize, [f64; 3], f64)> {
-        let share = self.settings.slip_share;
-        if share <= 0.0 {
-            return Vec::new();
-        }
-        let all = self.particles.iter().enumerate();
-        let slipping = all.filter_map(|(idx, pose)| {
-            let slips = rng.random::<f64>() < share;
-            slips.then(|| (idx, pose, rng.random_range(Self::SLIPPED_WAY)))
-        });
-        slipping.collect()
+        slipping.put(&(odom_from_before.inverse() * odom_from_after), &mut self.particles);
     }
 
     /// Scatters the particles: the robot may have moved this far without anybody knowing (standard deviations).
@@ -325,32 +305,3 @@ impl ParticleFilter {
         true
     }
 }
-
-/// The power, at most 1, of the factors exp(ln) that leaves an effective number of at least `least` particles.
-///
-/// With few guesses for a large building the nearest one is still off by more than the sensor's noise, and the
-/// likelihood of a lucky wrong place would rule out the true one: annealing (Deutscher, Blake, Reid 2000) with the power
-/// chosen by the effective number, as samplers do (Jasra, Stephens, Doucet, Tsagaris 2011).
-fn flattening(weights: &[f64], ln_factors: &[f64], least: f64) -> f64 {
-    let most = ln_factors.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let effective = |power: f64| {
-        let factored = weights.iter().zip(ln_factors).map(|(w, ln)| w * ((ln - most) * power).exp());
-        let finite = factored.filter(|w| w.is_finite());
-        let (sum, squares) = finite.fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
-        sum * sum / squares
-    };
-    let effective_now = effective(1.0);
-    // Weights that are no numbers are left to others.
-    if least <= 0.0 || !most.is_finite() || effective_now.is_nan() || effective_now >= least {
-        return 1.0;
-    }
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..FLATTENING_ROUNDS {
-        let middle = (low + high) / 2.0;
-        if effective(middle) < least { high = middle } else { low = middle }
-    }
-    low
-}
-
-/// The power is good to a part in so many powers of 2.
-const FLATTENING_ROUNDS: u32 = 6;

@@ -7,6 +7,7 @@ use super::filter::{ParticleFilter, Weighed};
 use super::measurement::MeasurementModel;
 use super::odometry_history::{OdometryHistory, Reading, is_jump};
 use super::scan_queue::{PendingScan, ScanQueue};
+use super::silence::Silence;
 use super::sureness::{Sureness, is_tight};
 use super::terrain::Terrain;
 use super::tracker_settings::{Counters, TrackerSettings};
@@ -34,18 +35,11 @@ pub struct MonteCarlo {
     continuity: Continuity,
     /// The next scan is weighed even if the robot did not move.
     is_first: bool,
-    /// Time for which the odometer was silent since the last update, seconds.
-    silent_s: f64,
+    silence: Silence,
     counters: Counters,
 }
 
 impl MonteCarlo {
-    /// Silence of the odometer up to this is normal, seconds.
-    const SILENCE_S: f64 = 1.0;
-    /// Beyond it the robot may stray by this share of what it can do.
-    const STRAY_SHARE: f64 = 0.1;
-    /// Standard deviations that silence leads to at most, meters and radians.
-    const MOST_STRAY: [f64; 2] = [1.0, 0.5];
     /// Standard deviation of the heading after a jump, radians.
     const JUMP_RAD: f64 = 0.5;
     /// Scans of different sensors within this belong to the same moment, seconds.
@@ -71,7 +65,7 @@ impl MonteCarlo {
             sureness,
             continuity: Continuity::default(),
             is_first: true,
-            silent_s: 0.0,
+            silence: Silence::default(),
             counters: Counters::default(),
         }
     }
@@ -126,7 +120,7 @@ impl MonteCarlo {
         self.odometry.clear();
         self.sureness = Sureness::new(self.settings.rules, *prior != Prior::Unknown);
         self.continuity = Continuity::default();
-        (self.is_first, self.silent_s, self.last_noise) = (true, 0.0, [0.0; 3]);
+        (self.is_first, self.silence, self.last_noise) = (true, Silence::default(), [0.0; 3]);
         self.anchor = None;
         self.set_anchor(odom_from_base, None, Vec::new());
         Ok(())
@@ -173,7 +167,7 @@ impl MonteCarlo {
             // A newer reading before the push: the way between the two is what counts.
             Some((before, odom_from_last)) if stamp > before => {
                 let elapsed_s = (stamp - before).as_secs();
-                self.silent_s += (elapsed_s - Self::SILENCE_S).max(0.0);
+                self.silence.add(elapsed_s);
                 let [speed_m_s, _] = self.settings.max_speed;
                 if is_jump(
                     &odom_from_last,
@@ -223,7 +217,7 @@ impl MonteCarlo {
         let way = anchor.odom_from_base.inverse() * odom_from_base;
         let has_moved = way.translation.vector.norm() >= self.settings.update_min_d_m
             || way.rotation.angle().abs() >= self.settings.update_min_a_rad
-            || self.silent_s > 0.0;
+            || self.silence.is_long();
         let sensor = scan.sensor;
         if !(has_moved || self.is_first) {
             self.too_soon.retain(|other| other.sensor != sensor);
@@ -254,12 +248,9 @@ impl MonteCarlo {
         };
         let grid = self.prepare(map)?;
         self.filter.advance(&odom_from_before, &odom_from_base);
-        if self.silent_s > 0.0 {
-            let stray = |k: usize| {
-                (self.silent_s * Self::STRAY_SHARE * self.settings.max_speed[k]).min(Self::MOST_STRAY[k])
-            };
-            self.filter.widen(stray(0), stray(1));
-            self.silent_s = 0.0;
+        if self.silence.is_long() {
+            let [deviation_m, deviation_rad] = self.silence.end(self.settings.max_speed);
+            self.filter.widen(deviation_m, deviation_rad);
         }
         let beams: Vec<ScanBeams> = scans.iter().map(|scan| self.beams_of(scan, &odom_from_base)).collect();
         let Some(terrain) = &mut self.terrain else { return Ok(()) };
@@ -291,18 +282,13 @@ impl MonteCarlo {
     fn set_anchor(&mut self, odom_from_base: Pose2, stamp: Option<Time>, scans: Vec<ScanBeams>) {
         let mut clusters = self.filter.clusters();
         let last = self.anchor.as_ref().filter(|_| self.sureness.has_tracked());
-        let expected = last.map(|last| {
-            let way = last.odom_from_base.inverse() * odom_from_base;
-            (last.map_from_base * way, last.covariance)
-        });
-        self.continuity.choose(&mut clusters, expected);
+        self.continuity.choose(&mut clusters, last.map(|last| last.expected_at(&odom_from_base)));
         let best = clusters.first().map(|cluster| (cluster.map_from_base, cluster.covariance));
         let (map_from_base, covariance) = best.unwrap_or((Pose2::identity(), Matrix3::identity() * 1e6));
-        let terrain = self.terrain.as_ref().filter(|terrain| terrain.has_obstacles);
         // The middle of a wide cluster is nowhere in particular, and its fit says nothing.
         let is_place = clusters.first().is_some_and(is_tight);
-        let explained =
-            terrain.filter(|_| is_place).and_then(|terrain| terrain.explained(&scans, &map_from_base));
+        let terrain = self.terrain.as_ref().filter(|terrain| is_place && terrain.has_obstacles);
+        let explained = terrain.and_then(|terrain| terrain.explained(&scans, &map_from_base));
         self.sureness.judge(&clusters, explained);
         self.anchor =
             Some(Anchor { map_from_base, covariance, odom_from_base, stamp, scans, clusters, explained });
