@@ -72,6 +72,16 @@ fn odometry_moves_the_nearest_known_pose_on_and_back() {
 }
 
 #[test]
+fn a_rounded_stamp_means_that_of_the_log() {
+    let odometry = track(&[(1.0, [1.0, 0.0, 0.0]), (1.5, [1.5, 0.0, 0.0]), (2.0, [2.0, 0.0, 0.0])]);
+    let poses = track(&[(1.0, [0.0, 0.0, 0.0]), (2.0, [5.0, 0.0, 0.0])]);
+    let corrected = CorrectedOdometry { poses: &poses, odometry: &odometry, tolerance: TOLERANCE };
+    // As written, 1.500004 s is nearer to the second pose; the log's 1.5 s is as near to both, and the earlier counts.
+    let found = corrected.pose_at(Time::from_secs(1.500_004)).unwrap();
+    assert_near(&[found.translation.x], &[0.5]);
+}
+
+#[test]
 fn relations_are_read_and_what_is_none_is_told_with_its_line() {
     let path = std::env::temp_dir().join(format!("rumbo-relations-{}.txt", std::process::id()));
     let read = |text: &str| {
