@@ -16,6 +16,7 @@ pub mod completions;
 pub mod config;
 pub mod diagnostics;
 pub mod drive;
+pub mod eval;
 pub mod exit;
 pub mod load;
 pub mod map;

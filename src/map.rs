@@ -13,7 +13,7 @@ use crate::run::{exit_of, on_interrupt, write_picture};
 use crate::terminal::{Terminal, make_folder_of, write_file};
 use rumbo_core::engine::Observer;
 use rumbo_core::map::Grid;
-use rumbo_kit::map_file::{MapImage, PictureFormat, SavedAs, save_map};
+use rumbo_kit::map_file::{MapFileError, MapImage, PictureFormat, SavedAs, save_map};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use watch::MapWatch;
@@ -65,6 +65,8 @@ pub struct Args {
 enum Values {
     /// Free, occupied or unknown: what every tool reads
     Trinary,
+    /// The probability of each cell in percent, as a gray; needs --format png
+    Scale,
     /// The probability of each cell in percent
     Raw,
 }
@@ -163,6 +165,7 @@ fn no_map(driven: &Driven, watch: &MapWatch) -> Failure {
 fn save(args: &Args, grid: &Grid, yaml: &Path, watch: &MapWatch, driven: &Driven) -> Result<Made, Failure> {
     let saved_as = match args.values {
         Values::Trinary => SavedAs::Trinary,
+        Values::Scale => SavedAs::Scale,
         Values::Raw => SavedAs::Raw,
     };
     let format = match args.format {
@@ -173,7 +176,10 @@ fn save(args: &Args, grid: &Grid, yaml: &Path, watch: &MapWatch, driven: &Driven
         return Err(Failure::Internal("the map lost its cells; this is a bug".to_owned()));
     };
     make_folder_of(yaml)?;
-    save_map(yaml, &image, saved_as, format).map_err(|error| Failure::Internal(error.to_string()))?;
+    save_map(yaml, &image, saved_as, format).map_err(|error| match error {
+        MapFileError::Unsayable { .. } => Failure::Usage(error.to_string()),
+        _ => Failure::Internal(error.to_string()),
+    })?;
     Ok(Made {
         map: yaml.display().to_string(),
         width: image.width,

@@ -10,7 +10,7 @@ mod svg;
 
 pub use map_image::MapImage;
 pub use map_view::{MapView, SIGNS, Sign};
-pub use poster::poster;
+pub use poster::{poster, scale_bar};
 pub use raster::{Raster, RasterError};
 pub use sketch::{Anchor, Role, Shape, Sketch, Style};
 pub use svg::{SVG_STYLE, escape, role_rules, svg};

@@ -58,8 +58,8 @@ fn shortened(text: &str, width: f64, size: f64) -> String {
 }
 
 /// A round number of meters as a bar of fitting length.
-fn scale_bar(sheet: &mut Sketch, [x, y]: [f64; 2], pixels_per_m: f64) {
-    let lengths = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
+pub fn scale_bar(sheet: &mut Sketch, [x, y]: [f64; 2], pixels_per_m: f64) {
+    let lengths = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
     let length_m = lengths.into_iter().rev().find(|m| m * pixels_per_m <= 160.0).unwrap_or(lengths[0]);
     let end = x + length_m * pixels_per_m;
     sheet.chain(Role::Frame, vec![[x, y - 8.0], [x, y], [end, y], [end, y - 8.0]]);

@@ -1,5 +1,5 @@
 //! What several Rumbo plugins share: ray casting, distance fields, grid search, map and world files, robot
-//! logs.
+//! logs, trajectories and how far two of them, or two maps, are apart.
 //!
 //! The grid kernels work on plain slices and sizes in cells, so they can be used without the framework.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
@@ -12,13 +12,17 @@ pub mod grid_poses;
 mod grid_size;
 pub mod likelihood_field;
 pub mod log_file;
+pub mod map_comparison;
 pub mod map_file;
 pub mod normal;
 pub mod occupancy;
 pub mod proximity;
 pub mod ray;
+pub mod relations;
 pub mod segment;
 pub mod simd;
+pub mod spread;
+pub mod trajectory;
 pub mod world_file;
 
 pub use grid_size::{GridSize, NEIGHBORS_8};

@@ -9,7 +9,7 @@
 mod beam_rule;
 mod carmen;
 mod error;
-mod lines;
+pub(crate) mod lines;
 mod number;
 mod order_tally;
 mod pose_file;
@@ -19,7 +19,7 @@ mod record;
 mod tally;
 mod timeline;
 mod wean_hall;
-mod words;
+pub(crate) mod words;
 
 pub use beam_rule::BeamOverride;
 pub use error::{Damage, FaultKind, LineFault, LogError};

@@ -7,13 +7,16 @@ use std::path::Path;
 
 mod error;
 mod header;
+mod ink;
 mod of_grid;
 mod pixels;
 mod save;
+mod shade_reading;
 
 pub use error::MapFileError;
 pub use header::{MapHeader, MapMode, load_map_header};
-pub use save::{PictureFormat, SavedAs, save_map};
+pub use save::{PictureFormat, SavedAs, save_map, save_map_to_be_read};
+pub use shade_reading::ShadeReading;
 
 /// Largest map that is loaded unless the caller says otherwise: 64 million cells, a hall of 400 m by 400 m at 5 cm.
 pub const DEFAULT_MAX_CELLS: u64 = 64_000_000;
@@ -55,6 +58,7 @@ impl MapImage {
 /// Every way a map file can be wrong is a variant of [`MapFileError`].
 pub fn load_map(yaml: &Path, max_cells: u64) -> Result<MapImage, MapFileError> {
     let header = load_map_header(yaml)?;
+    let reading = header.reading();
     let shades = pixels::load(&header.image, max_cells)?;
     let (width, height) = (shades.width, shades.height);
     let mut cells = vec![UNKNOWN; width * height];
@@ -63,7 +67,7 @@ pub fn load_map(yaml: &Path, max_cells: u64) -> Result<MapImage, MapFileError> {
             let pixel = line * width + col;
             let opaque = shades.opaque.as_ref().is_none_or(|opaque| opaque[pixel]);
             if opaque {
-                cells[row * width + col] = header.occupancy(shades.shade[pixel]);
+                cells[row * width + col] = reading.occupancy(shades.shade[pixel]);
             }
         }
     }

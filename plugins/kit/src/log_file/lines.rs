@@ -15,7 +15,7 @@ pub(super) const LONGEST_LINE: u64 = 16 << 20;
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
 /// Lines one after the other; the last one read is in `bytes`.
-pub(super) struct Lines {
+pub(crate) struct Lines {
     input: Box<dyn BufRead + Send>,
     /// The line without its end.
     pub bytes: Vec<u8>,
@@ -34,7 +34,7 @@ impl std::fmt::Debug for Lines {
 
 /// What came of asking for a line.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Line {
+pub(crate) enum Line {
     /// There is one.
     Whole,
     /// There is one, but the file ends inside it or it has no line end.

@@ -17,14 +17,14 @@ const LATEST_S: f64 = 9e9;
 
 /// What is left of a line, and which line it is.
 #[derive(Debug, Clone)]
-pub(super) struct Words<'a> {
+pub(crate) struct Words<'a> {
     rest: &'a [u8],
     line: u64,
     message: &'static str,
 }
 
 /// A word as a message may show it: short, and readable whatever its bytes are.
-pub(super) fn shown(word: &[u8]) -> String {
+pub(crate) fn shown(word: &[u8]) -> String {
     const LONGEST: usize = 40;
     let start = word.get(..LONGEST).unwrap_or(word);
     let more = if start.len() < word.len() { "..." } else { "" };

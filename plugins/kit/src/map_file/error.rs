@@ -107,6 +107,22 @@ pub enum MapFileError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// No shade stands for the value of some cells.
+    #[error(
+        "{}: in mode {mode} no shade of this picture is read as {}, the value of {n_cells} cells; nothing was written; \
+         save as PNG, in mode raw, or with other thresholds",
+        path.display(), said(*occupancy)
+    )]
+    Unsayable {
+        /// The picture.
+        path: PathBuf,
+        /// The value, in percent.
+        occupancy: i8,
+        /// Cells that have it.
+        n_cells: usize,
+        /// The mode asked for.
+        mode: &'static str,
+    },
     /// The grid in memory does not hold as many cells as it says.
     #[error("the grid says {width} x {height} cells and holds {found}; nothing was written")]
     Inconsistent {
@@ -117,4 +133,8 @@ pub enum MapFileError {
         /// Cells in the array.
         found: usize,
     },
+}
+
+fn said(occupancy: i8) -> String {
+    if occupancy < 0 { "unknown".to_owned() } else { format!("{occupancy} percent") }
 }

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::{MapFileError, UNKNOWN};
+use super::{MapFileError, ShadeReading};
 
 /// How a gray value becomes an occupancy (ROS wiki, *map_server*, "Value interpretation").
+#[doc(alias = "map_mode")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MapMode {
@@ -17,6 +18,17 @@ pub enum MapMode {
     Scale,
     /// The pixel is the occupancy in percent; above 100 it is unknown.
     Raw,
+}
+
+impl MapMode {
+    /// The word in the file.
+    pub fn name(self) -> &'static str {
+        match self {
+            MapMode::Trinary => "trinary",
+            MapMode::Scale => "scale",
+            MapMode::Raw => "raw",
+        }
+    }
 }
 
 /// A map_server YAML file, checked.
@@ -127,22 +139,9 @@ impl RawHeader {
 }
 
 impl MapHeader {
-    /// Occupancy in percent of a shade from 0 (black) to 1 (white).
-    pub(super) fn occupancy(&self, shade: f32) -> i8 {
-        let shade = f64::from(shade);
-        let probability = if self.negate { shade } else { 1.0 - shade };
-        match self.mode {
-            MapMode::Raw => {
-                let percent = (shade * 255.0).round();
-                if percent <= 100.0 { percent as i8 } else { UNKNOWN }
-            }
-            _ if probability > self.occupied_thresh => 100,
-            _ if probability < self.free_thresh => 0,
-            MapMode::Trinary => UNKNOWN,
-            MapMode::Scale => {
-                let share = (probability - self.free_thresh) / (self.occupied_thresh - self.free_thresh);
-                (1.0 + 98.0 * share) as i8
-            }
-        }
+    /// How shades are read.
+    pub fn reading(&self) -> ShadeReading {
+        let &MapHeader { mode, negate, occupied_thresh, free_thresh, .. } = self;
+        ShadeReading { mode, negate, occupied_thresh, free_thresh }
     }
 }

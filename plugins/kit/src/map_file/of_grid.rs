@@ -7,12 +7,12 @@ use super::{MapImage, SavedAs, UNKNOWN};
 
 impl MapImage {
     /// The known part of a grid, cut at whole cells; none where no cell is known. [`SavedAs::Trinary`] keeps the class
-    /// of each cell (0, 100, -1), [`SavedAs::Raw`] its probability in percent.
+    /// of each cell (0, 100, -1), the others its probability in percent.
     pub fn of_grid(grid: &Grid, saved_as: SavedAs) -> Option<MapImage> {
         let (cols, rows) = grid.known_extent()?;
         let value = |log_odds: f32| match saved_as {
-            SavedAs::Raw if log_odds == 0.0 => UNKNOWN,
-            SavedAs::Raw => (100.0 / (1.0 + (-log_odds).exp())).round() as i8,
+            SavedAs::Scale | SavedAs::Raw if log_odds == 0.0 => UNKNOWN,
+            SavedAs::Scale | SavedAs::Raw => (100.0 / (1.0 + (-log_odds).exp())).round() as i8,
             SavedAs::Trinary => match grid.class_of(log_odds) {
                 CellClass::Free => 0,
                 CellClass::Occupied => 100,
