@@ -24,6 +24,7 @@ pub mod picture;
 pub mod plot;
 pub mod plugins;
 pub mod record;
+pub mod recording;
 pub mod report;
 pub mod run;
 pub mod schema;

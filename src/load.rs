@@ -5,9 +5,9 @@ use crate::exit::{Exit, Failure};
 use crate::terminal::Terminal;
 use rumbo_core::document::{to_commented_toml, to_json};
 use rumbo_core::engine::EngineError;
-use rumbo_core::pipeline::{Loaded, Pipeline};
+use rumbo_core::pipeline::{Loaded, Pipeline, RecordTo};
 use rumbo_core::registry::Registry;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A pipeline that can be built, and the file that it came from.
 pub struct Ready {
@@ -19,6 +19,14 @@ pub struct Ready {
 }
 
 impl Ready {
+    /// Where the file wants the run to be recorded; `usual` is where a plain `true` puts it.
+    pub fn record(&self, usual: impl FnOnce() -> PathBuf) -> Option<PathBuf> {
+        match self.loaded.record.as_ref()? {
+            RecordTo::File(path) => Some(path.clone()),
+            RecordTo::Usual(is_wanted) => is_wanted.then(usual),
+        }
+    }
+
     /// The effective file and the origin of each value, for programs.
     pub fn to_json(&self) -> serde_json::Value {
         to_json(&self.loaded.effective(), &self.loaded.document.sources)

@@ -39,6 +39,7 @@ impl Engine {
 
     /// Takes an order; it is obeyed, or refused with an event, in the next step.
     pub fn command(&mut self, order: Order) {
+        self.given.push(order.clone());
         self.orders.push(order);
     }
 
@@ -48,6 +49,8 @@ impl Engine {
         {
             self.navigator.enter(self.now, State::Lost, &mut self.events);
         }
+        self.obeyed.clear();
+        self.obeyed.append(&mut self.given);
         if !self.orders.is_empty() {
             let orders = std::mem::take(&mut self.orders);
             orders.into_iter().for_each(|order| self.obey_one(order));

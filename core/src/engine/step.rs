@@ -46,6 +46,8 @@ pub struct Engine {
     pub(super) guard: Guard,
     pub(super) navigator: Navigator,
     pub(super) orders: Vec<Order>,
+    pub(super) given: Vec<Order>,
+    pub(super) obeyed: Vec<Order>,
     pub(super) pending: Vec<Goal>,
     pub(super) has_mission: bool,
     pub(super) wanders: bool,

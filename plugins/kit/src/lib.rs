@@ -13,6 +13,7 @@ pub mod map_file;
 pub mod occupancy;
 pub mod proximity;
 pub mod ray;
+pub mod recording;
 pub mod segment;
 pub mod simd;
 pub mod world_file;
