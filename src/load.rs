@@ -19,6 +19,12 @@ pub struct Ready {
 }
 
 impl Ready {
+    /// The whole run may take so many seconds of the world's time.
+    pub fn limit(&mut self, duration_s: f64) {
+        self.pipeline.mission.time_limit_s = duration_s;
+        self.pipeline.duration_s = Some(duration_s);
+    }
+
     /// Where the file wants the run to be recorded; `usual` is where a plain `true` puts it.
     pub fn record(&self, usual: impl FnOnce() -> PathBuf) -> Option<PathBuf> {
         match self.loaded.record.as_ref()? {

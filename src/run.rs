@@ -77,8 +77,7 @@ fn above_zero(text: &str) -> Result<f64, String> {
 pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let mut ready = load::pipeline(&args.file, &args.sets(), args.json, terminal)?;
     if let Some(duration_s) = args.duration {
-        ready.pipeline.mission.time_limit_s = duration_s;
-        ready.pipeline.duration_s = Some(duration_s);
+        ready.limit(duration_s);
     }
     let recorded = args.recording(&ready);
     let record = watched_drive(args, &ready, recorded.as_deref(), terminal)?;

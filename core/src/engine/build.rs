@@ -160,6 +160,7 @@ impl Engine {
             navigator: Navigator::new(&pipeline.mission),
             orders: Engine::first_orders(pipeline, world.as_ref()),
             pending: Engine::mission_goals(pipeline),
+            inbox: Default::default(),
             given: Vec::new(),
             obeyed: Vec::new(),
             robot: pipeline.robot.clone(),

@@ -1,6 +1,7 @@
 //! The one door for commands: what the pipeline itself orders, and how orders are obeyed or refused.
 
 use super::events::{Event, EventKind};
+use super::inbox::Inbox;
 use super::order::{Order, State};
 use super::step::Engine;
 use crate::frames::{Point2, pose2};
@@ -43,12 +44,18 @@ impl Engine {
         self.orders.push(order);
     }
 
+    /// From now on takes orders from this box, too.
+    pub fn listen(&mut self, inbox: Inbox) {
+        self.inbox = inbox;
+    }
+
     /// Obeys what was ordered, and what the mission itself wants next.
     pub(super) fn obey(&mut self) {
         if self.navigator.state == State::NoMap && self.needed_layers.iter().all(|layer| self.map.has(*layer))
         {
             self.navigator.enter(self.now, State::Lost, &mut self.events);
         }
+        self.inbox.empty().into_iter().for_each(|order| self.command(order));
         self.obeyed.clear();
         self.obeyed.append(&mut self.given);
         if !self.orders.is_empty() {

@@ -2,6 +2,7 @@
 
 use super::events::{Event, EventKind};
 use super::guard::Guard;
+use super::inbox::Inbox;
 use super::localization::Localization;
 use super::navigator::Navigator;
 use super::order::{Order, State};
@@ -46,6 +47,7 @@ pub struct Engine {
     pub(super) guard: Guard,
     pub(super) navigator: Navigator,
     pub(super) orders: Vec<Order>,
+    pub(super) inbox: Inbox,
     pub(super) given: Vec<Order>,
     pub(super) obeyed: Vec<Order>,
     pub(super) pending: Vec<Goal>,
