@@ -34,3 +34,6 @@ pub use outputs::{
 pub use reader::{RecordedStep, RecordingError, RecordingReader, is_of};
 pub use step_encoder::{Said, StepEncoder, sensor_name};
 pub use viewer::ViewerCopies;
+
+#[cfg(test)]
+mod tests;

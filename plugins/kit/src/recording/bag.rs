@@ -8,7 +8,7 @@ use rumbo_core::time::Time;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// What an MCAP file begins with.
@@ -70,8 +70,8 @@ pub enum BagError {
 
 /// A bag on its way.
 pub struct BagReader {
-    path: PathBuf,
-    file: File,
+    name: String,
+    file: Box<dyn Read + Send>,
     reader: LinearReader,
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Arc<BagChannel>>,
@@ -81,7 +81,7 @@ pub struct BagReader {
 
 impl std::fmt::Debug for BagReader {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "BagReader({})", self.path.display())
+        write!(f, "BagReader({})", self.name)
     }
 }
 
@@ -93,21 +93,29 @@ impl BagReader {
 
     /// Opens a bag.
     pub fn open(path: &Path) -> Result<BagReader, BagError> {
-        let place = || path.display().to_string();
-        let io = |error: std::io::Error| BagError::Io { path: place(), reason: error.to_string() };
-        let mut file = File::open(path).map_err(io)?;
+        let name = path.display().to_string();
+        match File::open(path) {
+            Ok(file) => BagReader::new(Box::new(file), name),
+            Err(error) => Err(BagError::Io { path: name, reason: error.to_string() }),
+        }
+    }
+
+    /// A bag from anywhere; `name` stands in what is said of it.
+    pub fn new(mut file: Box<dyn Read + Send>, name: String) -> Result<BagReader, BagError> {
         let mut first = Vec::new();
-        (&mut file).take(MAGIC.len() as u64).read_to_end(&mut first).map_err(io)?;
+        if let Err(error) = (&mut file).take(MAGIC.len() as u64).read_to_end(&mut first) {
+            return Err(BagError::Io { path: name, reason: error.to_string() });
+        }
         if first != MAGIC {
-            let found = if first.is_empty() { "nothing".to_owned() } else { format!("{:02x?}", first) };
-            return Err(BagError::NoBag { path: place(), found });
+            let found = if first.is_empty() { "nothing".to_owned() } else { format!("{first:02x?}") };
+            return Err(BagError::NoBag { path: name, found });
         }
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
             .with_validate_chunk_crcs(true)
             .with_record_length_limit(Self::MOST_BYTES);
         Ok(BagReader {
-            path: path.to_owned(),
+            name,
             file,
             reader: LinearReader::new_with_options(options),
             schemas: HashMap::new(),
@@ -117,9 +125,9 @@ impl BagReader {
         })
     }
 
-    /// The file.
-    pub fn path(&self) -> &Path {
-        &self.path
+    /// The name of the file.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     /// How the file ended; none before that.

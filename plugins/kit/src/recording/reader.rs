@@ -69,8 +69,13 @@ pub fn is_of(message: &BagMessage, layout: &Layout) -> bool {
 impl RecordingReader {
     /// Opens a recording and reads what was run.
     pub fn open(path: &Path) -> Result<RecordingReader, RecordingError> {
-        let mut bag = BagReader::open(path)?;
-        let place = || path.display().to_string();
+        RecordingReader::new(BagReader::open(path)?)
+    }
+
+    /// Reads what was run from a bag at its beginning.
+    pub fn new(mut bag: BagReader) -> Result<RecordingReader, RecordingError> {
+        let name = bag.name().to_owned();
+        let place = || name.clone();
         let Some(first) = bag.next() else {
             let found = match bag.end() {
                 Some(BagEnd::Whole) => "it has no messages".to_owned(),
