@@ -104,3 +104,31 @@ fn a_recording_that_cannot_be_written_is_the_commands_own_failure() {
         assert!(given.stderr.contains("cannot write /dev/full"), "{}", given.stderr);
     }
 }
+
+#[test]
+fn a_recording_is_a_world_for_another_pipeline() {
+    let folder = scratch("record_world");
+    let file = recorded(&folder, "a.mcap", &[OFFICE, "--set", SHORT]);
+    let text = format!(
+        "[world]\nplugin = \"log\"\nfile = \"{file}\"\nchannels = {{ eyes = \"front_laser\" }}\n\
+         [[sensor]]\nname = \"eyes\"\nplugin = \"laser_2d\"\n\
+         [[sensor]]\nname = \"odometry\"\nplugin = \"wheel_encoders\"\n\
+         [map_builder]\nplugin = \"occupancy_grid\"\n[localizer]\nplugin = \"odometry\"\n"
+    );
+    let pipeline = folder.join("again.toml");
+    std::fs::write(&pipeline, &text).unwrap();
+    let given = give(&["run", pipeline.to_str().unwrap(), "--no-report", "--json"]);
+    let figures = given.json();
+    assert_eq!(figures["reason"], "ended", "{}", given.stderr);
+    assert!(figures["map_free_m2"].as_f64().unwrap() > 10.0, "{figures}");
+    assert!(figures["final_error_m"].as_f64().unwrap() < 0.1, "{figures}");
+    assert_eq!(figures["stage_failures"], 0, "{figures}");
+    // A run in a recorded world can be recorded and replayed, too.
+    let again = recorded(&folder, "b.mcap", &[pipeline.to_str().unwrap()]);
+    let replayed = give(&["replay", &again]);
+    assert_eq!(replayed.code, 0, "{}", replayed.stderr);
+    std::fs::write(&pipeline, text.replace("\"front_laser\"", "\"front_lasr\"")).unwrap();
+    let given = give(&["check", pipeline.to_str().unwrap()]);
+    assert_eq!(given.code, 2);
+    assert!(given.stderr.contains("recorded with the sensors front_laser"), "{}", given.stderr);
+}

@@ -5,7 +5,7 @@ use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use rumbo_core::time::Time;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -73,8 +73,8 @@ pub struct BagReader {
     name: String,
     file: Box<dyn Read + Send>,
     reader: LinearReader,
-    schemas: HashMap<u16, String>,
-    channels: HashMap<u16, Arc<BagChannel>>,
+    schemas: BTreeMap<u16, String>,
+    channels: BTreeMap<u16, Arc<BagChannel>>,
     end: Option<BagEnd>,
     is_closed: bool,
 }
@@ -118,8 +118,8 @@ impl BagReader {
             name,
             file,
             reader: LinearReader::new_with_options(options),
-            schemas: HashMap::new(),
-            channels: HashMap::new(),
+            schemas: BTreeMap::new(),
+            channels: BTreeMap::new(),
             end: None,
             is_closed: false,
         })
