@@ -115,6 +115,11 @@ impl BagPlayback {
         }
     }
 
+    /// This channel had anything so far.
+    pub fn has_seen(&self, channel: &str) -> bool {
+        self.channels.contains_key(channel)
+    }
+
     /// The only channel of this kind so far; none where there are two.
     pub fn only(&self, kind: ObservationKind) -> Option<String> {
         let seen = self.channels.iter().filter(|(_, (other, _))| *other == kind).map(|(name, _)| name);

@@ -1,6 +1,6 @@
 //! A bag as a world of the framework.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use rumbo_core::frames::{Pose2, pose2};
@@ -17,6 +17,7 @@ use crate::log::truth::KnownTruth;
 pub struct BagWorld {
     playback: BagPlayback,
     channels: BTreeMap<String, String>,
+    asked: BTreeSet<String>,
     start: Option<Pose2>,
     map_file: Option<PathBuf>,
     file: PathBuf,
@@ -58,7 +59,14 @@ impl BagWorld {
         let map_file = map_file.or(recorded_map.filter(|map| map.is_file()));
         let odometry = playback.first_odometry().filter(|_| map_file.is_none());
         let start = given.or(first.map(|(_, pose)| pose)).or(recorded_start).or(odometry);
-        Ok(BagWorld { playback, channels: params.channels.clone(), start, map_file, file })
+        Ok(BagWorld {
+            playback,
+            channels: params.channels.clone(),
+            asked: BTreeSet::new(),
+            start,
+            map_file,
+            file,
+        })
     }
 
     /// The channel of a sensor: the one that the pipeline names, else the one of its own name, which topics of ROS
@@ -77,9 +85,16 @@ impl BagWorld {
             Probe::Attitude => ObservationKind::Imu,
             _ => return None,
         };
-        // Names are there in a run of ours, and where the pipeline gives them.
-        let has_names = self.playback.source().header().is_some() || !self.channels.is_empty();
-        if has_names { None } else { self.playback.only(kind) }
+        self.playback.only(kind).filter(|only| !self.channels.values().any(|channel| channel == only))
+    }
+
+    /// Says who asked for what the bag never had.
+    fn tell_silent_channels(&mut self) {
+        for channel in std::mem::take(&mut self.asked) {
+            if !self.playback.has_seen(&channel) {
+                self.playback.notify(&format!("a sensor asked for {channel}, of which this bag has nothing"));
+            }
+        }
     }
 }
 
@@ -89,7 +104,11 @@ impl World for BagWorld {
     }
 
     fn advance(&mut self, to: Time) -> Result<Advance, WorldError> {
-        self.playback.advance(to)
+        let advanced = self.playback.advance(to);
+        if advanced == Ok(Advance::Ended) {
+            self.tell_silent_channels();
+        }
+        advanced
     }
 
     fn drive(&mut self, command: &Command) -> Result<Drove, WorldError> {
@@ -104,7 +123,12 @@ impl World for BagWorld {
             Probe::Channel { name } => Some(self.channel_of(name)),
             _ => self.unnamed(probe),
         };
-        let channel = channel.ok_or(WorldError::Unsupported { probe: probe.name() })?;
+        let sensors = self.playback.source().header().map(|header| &header.sensors);
+        let is_there = |channel: &String| sensors.is_none_or(|sensors| sensors.contains(channel));
+        let channel = channel.filter(is_there).ok_or(WorldError::Unsupported { probe: probe.name() })?;
+        if !self.asked.contains(&channel) {
+            self.asked.insert(channel.clone());
+        }
         Ok(Answer::Recorded(self.playback.take(&channel)))
     }
 
