@@ -51,7 +51,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let mut engine = built.map_err(|error| Failure::Usage(error.to_string()))?;
     engine.listen(inbox);
     let mut comparison = Comparison::new(second, follow);
-    let end = engine.run(&mut [&mut comparison], &on_interrupt()?.as_ref());
+    let end = engine.run(&mut [&mut comparison], on_interrupt()?.as_ref());
     if end.reason == EndReason::Interrupted {
         return Ok(Exit::Interrupted);
     }

@@ -152,7 +152,7 @@ impl BagPlayback {
             if ends.is_some_and(|(first, last)| last.stamp - first.stamp > Self::WINDOW) {
                 return;
             }
-            let Some(moment) = self.source.next() else { return self.end() };
+            let Some(moment) = self.source.read_on() else { return self.end() };
             if moment.stamp < self.now {
                 self.n_late += 1;
                 continue;

@@ -147,7 +147,7 @@ impl BagSource {
     }
 
     /// The next moment, in the order of the file.
-    pub fn next(&mut self) -> Option<BagMoment> {
+    pub fn read_on(&mut self) -> Option<BagMoment> {
         match self {
             BagSource::Run(reader, ahead) => {
                 while ahead.is_empty() {
@@ -169,7 +169,7 @@ impl BagSource {
                 }
                 ahead.pop_front()
             }
-            BagSource::Ros(stream) => stream.next(),
+            BagSource::Ros(stream) => stream.read_on(),
         }
     }
 
@@ -211,7 +211,7 @@ fn is_for_sensors(data: &RosData) -> bool {
 }
 
 impl RosStream {
-    fn next(&mut self) -> Option<BagMoment> {
+    fn read_on(&mut self) -> Option<BagMoment> {
         loop {
             let message = self.bag.next()?;
             let channel = &message.channel;
