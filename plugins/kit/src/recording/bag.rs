@@ -7,7 +7,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use rumbo_core::time::Time;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Read;
+use std::io::{BufReader, Read};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -95,7 +95,7 @@ impl BagReader {
     pub fn open(path: &Path) -> Result<BagReader, BagError> {
         let name = path.display().to_string();
         match File::open(path) {
-            Ok(file) => BagReader::new(Box::new(file), name),
+            Ok(file) => BagReader::new(Box::new(BufReader::with_capacity(Self::AT_ONCE, file)), name),
             Err(error) => Err(BagError::Io { path: name, reason: error.to_string() }),
         }
     }

@@ -36,7 +36,7 @@ impl<W: Write + Seek> BagWriter<W> {
     /// Begins a bag.
     pub fn new(to: W) -> McapResult<BagWriter<W>> {
         let options = WriteOptions::new()
-            // A scan packs to two thirds; packing it takes longer than the whole run of a simulated robot.
+            // Packing would cost processor time in the run; `mcap compress` does it afterwards.
             .compression(None)
             .profile("ros2")
             .library(concat!("rumbo ", env!("CARGO_PKG_VERSION")))
