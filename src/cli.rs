@@ -2,14 +2,14 @@
 
 use crate::exit::Failure;
 use crate::terminal::Terminal;
-use crate::{check, completions, config, eval, map, plot, plugins, run, schema, test};
+use crate::{check, completions, config, eval, map, plot, plugins, replay, run, schema, test};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
 const EXIT_CODES: &str = "\
 Exit codes:
   0    it worked: the robot arrived, the tests passed, the file has no faults
-  1    it ran, but the robot did not arrive, or a test failed
+  1    it ran, but the robot did not arrive, a test failed, or a replay differs
   2    the input has faults: the pipeline, a file that it names, or the command line
   3    rumbo itself failed: a file cannot be written, or there is a bug
   130  interrupted; the robot was stopped first
@@ -43,6 +43,7 @@ enum Verb {
     Schema(schema::Args),
     Plugins(plugins::Args),
     Test(test::Args),
+    Replay(replay::Args),
     Map(map::Args),
     Eval(eval::Args),
     Plot(plot::Args),
@@ -64,6 +65,7 @@ pub fn main() -> ExitCode {
         Verb::Schema(args) => schema::run(args, &terminal),
         Verb::Plugins(args) => plugins::run(args, &terminal),
         Verb::Test(args) => test::run(args, &terminal),
+        Verb::Replay(args) => replay::run(args, &terminal),
         Verb::Map(args) => map::run(args, &terminal),
         Verb::Eval(args) => eval::run(args, &terminal),
         Verb::Plot(args) => plot::run(args, &terminal),

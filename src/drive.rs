@@ -2,7 +2,7 @@
 
 use crate::outcome::Outcome;
 use crate::record::{Recorder, RunRecord};
-use rumbo_core::engine::{Engine, EngineError, Metrics, Observer};
+use rumbo_core::engine::{Engine, EngineError, Metrics, Observer, RunEnd};
 use rumbo_core::map::Map;
 use rumbo_core::pipeline::Pipeline;
 use std::sync::atomic::AtomicBool;
@@ -15,6 +15,8 @@ pub struct Driven {
     pub record: RunRecord,
     /// The map as the run left it.
     pub map: Map,
+    /// How it ended.
+    pub end: RunEnd,
 }
 
 /// Drives the pipeline to its end. `others` watch too; `file` and `config` go into the record.
@@ -37,6 +39,18 @@ pub fn drive_and_keep(
     interrupt: &AtomicBool,
 ) -> Result<Driven, EngineError> {
     let mut engine = Engine::build(pipeline)?;
+    Ok(drive_engine(&mut engine, pipeline, file, config, others, interrupt))
+}
+
+/// As [`drive_and_keep`], with an engine that is built already.
+pub fn drive_engine(
+    engine: &mut Engine,
+    pipeline: &Pipeline,
+    file: &str,
+    config: &str,
+    others: &mut [&mut dyn Observer],
+    interrupt: &AtomicBool,
+) -> Driven {
     let (mut metrics, mut recorder) = (Metrics::new(), Recorder::default());
     let clock = Instant::now();
     let end = {
@@ -48,5 +62,5 @@ pub fn drive_and_keep(
     let outcome = Outcome::new(pipeline, &metrics, &end, &map, wall);
     let mut record = recorder.finish(pipeline, file, &map, config.to_owned());
     record.outcome = Some(outcome);
-    Ok(Driven { record, map })
+    Driven { record, map, end }
 }

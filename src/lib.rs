@@ -25,6 +25,8 @@ pub mod picture;
 pub mod plot;
 pub mod plugins;
 pub mod record;
+pub mod recording;
+pub mod replay;
 pub mod report;
 pub mod run;
 pub mod schema;

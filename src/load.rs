@@ -5,9 +5,9 @@ use crate::exit::{Exit, Failure};
 use crate::terminal::Terminal;
 use rumbo_core::document::{to_commented_toml, to_json};
 use rumbo_core::engine::EngineError;
-use rumbo_core::pipeline::{Loaded, Pipeline};
+use rumbo_core::pipeline::{Loaded, Pipeline, RecordTo};
 use rumbo_core::registry::Registry;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A pipeline that can be built, and the file that it came from.
 pub struct Ready {
@@ -19,6 +19,20 @@ pub struct Ready {
 }
 
 impl Ready {
+    /// The whole run may take so many seconds of the world's time.
+    pub fn limit(&mut self, duration_s: f64) {
+        self.pipeline.mission.time_limit_s = duration_s;
+        self.pipeline.duration_s = Some(duration_s);
+    }
+
+    /// Where the file wants the run to be recorded; `usual` is where a plain `true` puts it.
+    pub fn record(&self, usual: impl FnOnce() -> PathBuf) -> Option<PathBuf> {
+        match self.loaded.record.as_ref()? {
+            RecordTo::File(path) => Some(path.clone()),
+            RecordTo::Usual(is_wanted) => is_wanted.then(usual),
+        }
+    }
+
     /// The effective file and the origin of each value, for programs.
     pub fn to_json(&self) -> serde_json::Value {
         to_json(&self.loaded.effective(), &self.loaded.document.sources)
@@ -101,6 +115,17 @@ pub fn load_and_check(path: &Path, sets: &[String], registry: &Registry) -> Resu
 /// Reads a pipeline, or shows its faults.
 pub fn pipeline(path: &Path, sets: &[String], json: bool, terminal: &Terminal) -> Result<Ready, Failure> {
     load(path, sets, &registry()?).map_err(|refused| refused.tell(json, terminal))
+}
+
+/// As [`pipeline`], and looks at the files and places that the pipeline names before anything moves.
+pub fn checked(path: &Path, sets: &[String], json: bool, terminal: &Terminal) -> Result<Ready, Failure> {
+    let mut ready = pipeline(path, sets, json, terminal)?;
+    ready.loaded.check();
+    if ready.loaded.sound().is_some() {
+        Ok(ready)
+    } else {
+        Err(Refused::new(ready.loaded).tell(json, terminal))
+    }
 }
 
 /// `, did you mean ...?`, or nothing where no name is near.

@@ -11,7 +11,7 @@ use crate::report;
 use crate::run::summary::notices;
 use crate::run::{exit_of, on_interrupt, write_picture};
 use crate::terminal::{Terminal, make_folder_of, write_file};
-use rumbo_core::engine::Observer;
+use rumbo_core::engine::{EndReason, Observer};
 use rumbo_core::map::Grid;
 use rumbo_kit::map_file::{MapFileError, MapImage, PictureFormat, SavedAs, save_map};
 use serde::Serialize;
@@ -219,7 +219,13 @@ fn say(made: &Made, driven: &Driven, written: &[(&str, PathBuf)], terminal: &Ter
         ("map", made.map.clone()),
     ];
     rows.extend(written.iter().map(|(name, path)| (*name, path.display().to_string())));
-    terminal.say(terminal.strong(&driven.record.name));
+    let is_interrupted = made.run.as_ref().is_some_and(|run| run.reason == EndReason::Interrupted);
+    let end = if is_interrupted {
+        terminal.bad(": interrupted, the map is of what was seen until then")
+    } else {
+        String::new()
+    };
+    terminal.say(terminal.strong(&driven.record.name) + &end);
     notices(&driven.record.events, terminal).for_each(|line| terminal.say(line));
     for (name, value) in rows {
         terminal.say(format!("  {}  {value}", terminal.soft(&format!("{name:7}"))));

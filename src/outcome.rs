@@ -44,6 +44,9 @@ pub struct Outcome {
     pub guard_interventions: u32,
     /// How often a stage failed.
     pub stage_failures: u32,
+    /// Share of the steps in which the localizer was sure of one place.
+    #[serde(default)]
+    pub tracked_share: Option<f64>,
     /// Free space on the map at the end, m².
     #[serde(default)]
     pub map_free_m2: Option<f64>,
@@ -83,6 +86,7 @@ impl Outcome {
             replans: summary.replans,
             guard_interventions: summary.guard_interventions,
             stage_failures: summary.stage_failures,
+            tracked_share: Some(summary.tracked_share),
             map_free_m2: map.grid.as_ref().map(Grid::free_area_m2),
             steps: summary.steps,
             realtime_factor: (wall > Duration::ZERO).then(|| summary.time_s / wall.as_secs_f64()),

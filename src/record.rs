@@ -59,7 +59,7 @@ pub struct EventRecord {
     pub text: String,
     /// It is trouble, not progress.
     pub is_trouble: bool,
-    /// It is what the world itself had to tell: damage in a recording, say.
+    /// Worth a line on the terminal: what the world had to tell, and stages that failed.
     #[serde(default)]
     pub is_notice: bool,
 }
@@ -198,6 +198,7 @@ pub fn test_record() -> RunRecord {
             replans: 1,
             guard_interventions: 0,
             stage_failures: 0,
+            tracked_share: Some(1.0),
             map_free_m2: Some(11.7),
             steps: 60,
             realtime_factor: Some(1234.5),

@@ -5,17 +5,18 @@ mod pace;
 mod progress;
 pub mod summary;
 
-use crate::drive::drive;
+use crate::drive::drive_engine;
 use crate::exit::{Exit, Failure};
 use crate::load::{self, Ready};
 use crate::outcome::Outcome;
 use crate::picture::{Raster, poster};
 use crate::record::RunRecord;
+use crate::recording::{RunRecording, header_of};
 use crate::report;
 use crate::terminal::{Terminal, write_file};
 use pace::Pace;
 use progress::Progress;
-use rumbo_core::engine::{EndReason, Observer};
+use rumbo_core::engine::{EndReason, Engine, Observer};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -51,6 +52,9 @@ pub struct Args {
     /// Save what `rumbo plot` needs to draw this run again
     #[arg(long, value_name = "FILE")]
     save_run: Option<PathBuf>,
+    /// Record the run as MCAP, for viewers and for `rumbo replay`; instead of the pipeline's `record`
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
     /// Open the report in the browser when the run has ended
     #[arg(long)]
     open: bool,
@@ -71,16 +75,17 @@ fn above_zero(text: &str) -> Result<f64, String> {
 
 /// Does it.
 pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
-    let mut ready = load::pipeline(&args.file, &args.sets(), args.json, terminal)?;
+    let mut ready = load::checked(&args.file, &args.sets(), args.json, terminal)?;
     if let Some(duration_s) = args.duration {
-        ready.pipeline.mission.time_limit_s = duration_s;
-        ready.pipeline.duration_s = Some(duration_s);
+        ready.limit(duration_s);
     }
-    let record = watched_drive(args, &ready, terminal)?;
+    let recorded = args.recording(&ready);
+    let record = watched_drive(args, &ready, recorded.as_deref(), terminal)?;
     let Some(outcome) = &record.outcome else {
         return Err(Failure::Internal("the run left no figures; this is a bug".into()));
     };
-    let written = write_files(args, &record)?;
+    let mut written = write_files(args, &record)?;
+    written.extend(recorded.map(|path| ("recording", path)));
     if !args.quiet {
         terminal.say(summary::summary(outcome, &record.events, &written, terminal));
     }
@@ -101,25 +106,45 @@ impl Args {
 
     /// A file below `out/`, named after the pipeline, unless another one was named.
     fn output(&self, named: &Option<PathBuf>, extension: &str) -> Option<PathBuf> {
-        let stem = self.file.file_stem().unwrap_or_default();
-        let usual = || Path::new("out").join(stem).with_extension(extension);
-        named.clone().or_else(|| (!self.no_report).then(usual))
+        named.clone().or_else(|| (!self.no_report).then(|| self.usual(extension)))
+    }
+
+    fn usual(&self, extension: &str) -> PathBuf {
+        Path::new("out").join(self.file.file_stem().unwrap_or_default()).with_extension(extension)
+    }
+
+    /// Where to record, if at all.
+    fn recording(&self, ready: &Ready) -> Option<PathBuf> {
+        self.record.clone().or_else(|| ready.record(|| self.usual("mcap")))
     }
 }
 
-fn watched_drive(args: &Args, ready: &Ready, terminal: &Terminal) -> Result<RunRecord, Failure> {
+fn watched_drive(
+    args: &Args,
+    ready: &Ready,
+    recorded: Option<&Path>,
+    terminal: &Terminal,
+) -> Result<RunRecord, Failure> {
     let interrupt = on_interrupt()?;
+    let built = Engine::build(&ready.pipeline);
+    let mut engine = built.map_err(|error| ready.explain(&error, args.json, terminal))?;
+    let begin = |path| RunRecording::create(path, &header_of(ready, &args.file, args.duration, &engine));
+    let mut recording = recorded.map(begin).transpose()?;
     let mut progress = (!args.quiet && terminal.has_people()).then(|| Progress::new(&ready.pipeline));
     let mut pace = args.speed.map(Pace::new);
     let mut others: Vec<&mut dyn Observer> = Vec::new();
+    others.extend(recording.as_mut().map(|recording| recording as &mut dyn Observer));
     others.extend(progress.as_mut().map(|progress| progress as &mut dyn Observer));
     others.extend(pace.as_mut().map(|pace| pace as &mut dyn Observer));
     let file = args.file.display().to_string();
-    let record = drive(&ready.pipeline, &file, &ready.config, &mut others, &interrupt);
+    let driven = drive_engine(&mut engine, &ready.pipeline, &file, &ready.config, &mut others, &interrupt);
     if let Some(progress) = progress {
         progress.finish();
     }
-    record.map_err(|error| ready.explain(&error, args.json, terminal))
+    if let Some(recording) = recording {
+        recording.finish(&driven.end, &engine.view())?;
+    }
+    Ok(driven.record)
 }
 
 /// Raised by the first interrupt, which stops the robot; the second ends the program.

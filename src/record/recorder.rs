@@ -13,6 +13,8 @@ use std::collections::BTreeSet;
 const ROOM: usize = 4096;
 /// Events that are kept at most, beside what the world tells: a table that a person reads.
 const EVENTS: usize = 400;
+/// Failures of stages that get a line on the terminal.
+const TOLD_FAILURES: usize = 3;
 /// Paths that are kept at most; the first and the latest.
 const PATHS: usize = 64;
 
@@ -27,6 +29,7 @@ pub struct Recorder {
     obstacles: BTreeSet<[i32; 3]>,
     events: Vec<EventRecord>,
     n_events_left_out: usize,
+    n_failures_told: usize,
     start: Option<[f64; 3]>,
 }
 
@@ -41,6 +44,7 @@ impl Default for Recorder {
             obstacles: BTreeSet::new(),
             events: Vec::with_capacity(EVENTS),
             n_events_left_out: 0,
+            n_failures_told: 0,
             start: None,
         }
     }
@@ -117,7 +121,11 @@ impl Recorder {
                     [obstacle.position.x, obstacle.position.y, obstacle.radius_m].map(hundredths)
                 }));
             }
-            let is_notice = matches!(event.kind, EventKind::Notice(_));
+            let is_told = matches!(event.kind, EventKind::Notice(_));
+            let is_failure = matches!(event.kind, EventKind::StageFailed { .. });
+            // The first failures are told; a stage that goes on failing says the same again.
+            let is_notice = is_told || is_failure && self.n_failures_told < TOLD_FAILURES;
+            self.n_failures_told += usize::from(is_failure && is_notice);
             if self.events.len() >= EVENTS && !is_notice {
                 self.n_events_left_out += 1;
                 continue;

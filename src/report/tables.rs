@@ -37,6 +37,11 @@ pub fn figures(outcome: &Outcome) -> Vec<Figure> {
         outcome.min_clearance_m.is_some_and(|m| m <= 0.0),
     );
     add("contacts", outcome.contacts.map(|n| n.to_string()), outcome.contacts.is_some_and(|n| n > 0));
+    add(
+        "sure of the place",
+        outcome.tracked_share.map(|share| format!("{:.0} % of the time", share * 100.0)),
+        false,
+    );
     add("new plans", Some(outcome.replans.to_string()), false);
     add("guard stepped in", Some(times(outcome.guard_interventions)), false);
     add("stage failures", Some(outcome.stage_failures.to_string()), outcome.stage_failures > 0);

@@ -7,6 +7,8 @@ mod help;
 mod plot;
 mod plugins;
 mod readme;
+mod record;
+mod replay;
 mod run;
 mod same_bytes;
 mod test;

@@ -116,6 +116,13 @@ impl Engine {
         Engine::build_as(pipeline, true)
     }
 
+    /// As [`build`](Self::build), in a world of the caller's instead of the pipeline's: a replay, a test.
+    pub fn build_in(pipeline: &Pipeline, world: Box<dyn World>) -> Result<Engine, EngineError> {
+        let mut builder = Builder::new(pipeline, false);
+        builder.learn(world.as_ref());
+        Engine::with_world(&builder, world)
+    }
+
     fn build_as(pipeline: &Pipeline, dry_run: bool) -> Result<Engine, EngineError> {
         let mut builder = Builder::new(pipeline, dry_run);
         let world: Box<dyn World> = builder.stage(&pipeline.world)?;
@@ -153,6 +160,9 @@ impl Engine {
             navigator: Navigator::new(&pipeline.mission),
             orders: Engine::first_orders(pipeline, world.as_ref()),
             pending: Engine::mission_goals(pipeline),
+            inbox: Default::default(),
+            given: Vec::new(),
+            obeyed: Vec::new(),
             robot: pipeline.robot.clone(),
             estimate_is_new: false,
             wish: WishMotion::default(),

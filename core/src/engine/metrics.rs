@@ -6,6 +6,7 @@ use super::order::State;
 use super::run::EndReason;
 use super::timing::{Part, StageTimes};
 use crate::frames::{Point2, flatten, wrap_angle};
+use crate::messages::{Data, Observation, SensorId, Status};
 use serde::Serialize;
 
 /// The figures of a run. Errors are of the estimate against the truth, and absent where nobody knows the truth.
@@ -41,6 +42,8 @@ pub struct Summary {
     pub guard_interventions: u32,
     /// How often a stage failed.
     pub stage_failures: u32,
+    /// Share of the steps in which the localizer was sure of one place.
+    pub tracked_share: f64,
     /// Steps of the engine.
     pub steps: u64,
 }
@@ -51,7 +54,9 @@ pub struct Metrics {
     time_s: f64,
     steps: u64,
     path_m: f64,
-    last_position: Option<Point2>,
+    last_truth: Option<Point2>,
+    last_reading: Option<(SensorId, Point2)>,
+    n_tracked: u64,
     errors_m: Vec<f32>,
     final_heading_error_deg: Option<f64>,
     goal: Option<Point2>,
@@ -106,18 +111,36 @@ impl Metrics {
             replans: self.replans,
             guard_interventions: self.guard_interventions,
             stage_failures: self.stage_failures,
+            tracked_share: self.n_tracked as f64 / self.steps.max(1) as f64,
             steps: self.steps,
         }
     }
 
+    /// The way of this step: that of the truth where it is known before and after, else that of the odometer.
     fn follow(&mut self, view: &StepView<'_>) {
-        let position: Point2 = match view.truth {
-            Some(truth) => flatten(&truth.map_from_base).translation.vector.into(),
-            None => view.odom_from_base.translation.vector.into(),
-        };
-        self.path_m += self.last_position.map_or(0.0, |last| (position - last).norm());
-        self.last_position = Some(position);
+        let truth = view.truth.map(|truth| flatten(&truth.map_from_base).translation.vector.into());
+        let true_way_m = truth.zip(self.last_truth).map(|(now, last): (Point2, Point2)| (now - last).norm());
+        let rolled_m = self.rolled_m(view.observations);
+        self.path_m += true_way_m.unwrap_or(rolled_m);
+        self.last_truth = truth;
+        self.n_tracked += u64::from(view.estimate.status == Status::Tracking);
         self.goal = view.goal.map(|goal| goal.position).or(self.goal);
+    }
+
+    /// The way between the odometer's readings of this step; readings of the odometer seat go before those of wheels.
+    fn rolled_m(&mut self, observations: &[Observation]) -> f64 {
+        let mut rolled_m = 0.0;
+        for observation in observations {
+            let Data::Odometry(odometry) = &observation.data else { continue };
+            let place: Point2 = odometry.odom_from_base.translation.vector.into();
+            match self.last_reading {
+                Some((sensor, last)) if sensor == observation.sensor => rolled_m += (place - last).norm(),
+                Some(_) if observation.sensor != SensorId::ODOMETER => continue,
+                _ => {}
+            }
+            self.last_reading = Some((observation.sensor, place));
+        }
+        rolled_m
     }
 
     fn judge(&mut self, view: &StepView<'_>) {

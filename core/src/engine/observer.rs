@@ -1,7 +1,7 @@
 //! Observers see every step and can change nothing.
 
 use super::events::Event;
-use super::order::State;
+use super::order::{Order, State};
 use super::timing::StageTimes;
 use crate::frames::Pose2;
 use crate::map::Map;
@@ -41,6 +41,10 @@ pub struct StepView<'a> {
     pub truth: Option<&'a Truth>,
     /// What went to the wheels last.
     pub command: &'a Command,
+    /// The world did not take the last command: it is a recording.
+    pub not_actuated: bool,
+    /// Orders from outside that were obeyed or refused in this step.
+    pub orders: &'a [Order],
     /// The path that is followed.
     pub path: Option<&'a Path>,
     /// Goes up with every new path.

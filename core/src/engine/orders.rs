@@ -1,6 +1,7 @@
 //! The one door for commands: what the pipeline itself orders, and how orders are obeyed or refused.
 
 use super::events::{Event, EventKind};
+use super::inbox::Inbox;
 use super::order::{Order, State};
 use super::step::Engine;
 use crate::frames::{Point2, pose2};
@@ -39,7 +40,13 @@ impl Engine {
 
     /// Takes an order; it is obeyed, or refused with an event, in the next step.
     pub fn command(&mut self, order: Order) {
+        self.given.push(order.clone());
         self.orders.push(order);
+    }
+
+    /// From now on takes orders from this box, too.
+    pub fn listen(&mut self, inbox: Inbox) {
+        self.inbox = inbox;
     }
 
     /// Obeys what was ordered, and what the mission itself wants next.
@@ -48,6 +55,9 @@ impl Engine {
         {
             self.navigator.enter(self.now, State::Lost, &mut self.events);
         }
+        self.inbox.empty().into_iter().for_each(|order| self.command(order));
+        self.obeyed.clear();
+        self.obeyed.append(&mut self.given);
         if !self.orders.is_empty() {
             let orders = std::mem::take(&mut self.orders);
             orders.into_iter().for_each(|order| self.obey_one(order));

@@ -2,6 +2,7 @@
 
 use super::events::{Event, EventKind};
 use super::guard::Guard;
+use super::inbox::Inbox;
 use super::localization::Localization;
 use super::navigator::Navigator;
 use super::order::{Order, State};
@@ -46,6 +47,9 @@ pub struct Engine {
     pub(super) guard: Guard,
     pub(super) navigator: Navigator,
     pub(super) orders: Vec<Order>,
+    pub(super) inbox: Inbox,
+    pub(super) given: Vec<Order>,
+    pub(super) obeyed: Vec<Order>,
     pub(super) pending: Vec<Goal>,
     pub(super) has_mission: bool,
     pub(super) wanders: bool,
@@ -137,10 +141,11 @@ impl Engine {
         self.estimate_is_new = false;
         let searching = self.navigator.state == State::Localizing;
         let active = !matches!(self.navigator.state, State::NoMap | State::Lost);
-        let due = match &self.localization.relocalizer {
-            Some(seat) if searching => seat.is_due(&mut self.schedule, &self.ring, self.now),
-            _ => self.localization.finder.is_due(&mut self.schedule, &self.ring, self.now),
-        };
+        // Both are asked in any case: a run that is due and not taken would hold the clock for ever.
+        let finder_due = self.localization.finder.is_due(&mut self.schedule, &self.ring, self.now);
+        let relocalizer = self.localization.relocalizer.as_ref();
+        let relocalizer_due = relocalizer.map(|seat| seat.is_due(&mut self.schedule, &self.ring, self.now));
+        let due = relocalizer_due.filter(|_| searching).unwrap_or(finder_due);
         if active && due {
             let mut cx = Cx { now: self.now, trace: &self.trace };
             let (ring, map) = (&mut self.ring, &mut self.map);
@@ -173,7 +178,9 @@ impl Engine {
         let clock = Instant::now();
         let located = !matches!(self.navigator.state, State::NoMap | State::Lost | State::Localizing);
         for seat in &mut self.builders {
-            if !(located && seat.is_due(&mut self.schedule, &self.ring, self.now)) {
+            // Asked in any case: a run that is due and not taken would hold the clock for ever.
+            let is_due = seat.is_due(&mut self.schedule, &self.ring, self.now);
+            if !(located && is_due) {
                 continue;
             }
             seat.report_loss(&self.ring, self.now, &mut self.events);

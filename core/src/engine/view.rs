@@ -4,6 +4,7 @@ use super::observer::StepView;
 use super::order::State;
 use super::step::Engine;
 use crate::frames::{Pose2, flatten};
+use crate::stages::World;
 use crate::trace::Trace;
 
 impl Engine {
@@ -46,6 +47,11 @@ impl Engine {
         flatten(&self.localization.estimate.map_from_odom) * self.track.now_at(self.now)
     }
 
+    /// The world, for those who watch.
+    pub fn world(&self) -> &dyn World {
+        self.world.as_ref()
+    }
+
     /// From now on stages keep debug drawings and counters for observers.
     pub fn watch(&mut self) {
         self.trace = Trace::watched();
@@ -66,6 +72,8 @@ impl Engine {
             odom_from_base: self.track.now_at(self.now),
             truth: self.world.truth(),
             command: &self.command,
+            not_actuated: self.not_actuated,
+            orders: &self.obeyed,
             path: self.navigator.path.as_ref(),
             path_number: self.navigator.path_number,
             goal: self.navigator.goals.front(),

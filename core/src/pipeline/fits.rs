@@ -2,7 +2,7 @@
 
 use super::draft::Draft;
 use super::section::Section;
-use super::{Rate, Seat};
+use super::{InitialPose, Rate, Seat, WellKnownPose};
 use crate::document::{Fault, FaultCode, Faults, join_path};
 use crate::map::Layer;
 use crate::messages::ObservationKind;
@@ -16,6 +16,7 @@ pub(super) fn check(draft: &Draft, registry: &Registry, faults: &mut Faults) {
     layers(draft, registry, faults);
     observations(draft, registry, faults);
     ages(draft, faults);
+    start_pose(draft, faults);
     drives(draft, faults);
     mission(draft, faults);
 }
@@ -211,6 +212,25 @@ fn drives(draft: &Draft, faults: &mut Faults) {
         let able: Vec<&str> = manifest.drives.iter().map(|kind| kind.name()).collect();
         let message = format!("cannot steer the drive {} of [robot], only {}", kind.name(), able.join(", "));
         faults.push(section.fault(FaultCode::Drive, message));
+    }
+}
+
+/// A localizer that only follows a robot must be told where it starts.
+fn start_pose(draft: &Draft, faults: &mut Faults) {
+    let unknown = InitialPose::WellKnown(WellKnownPose::Unknown);
+    let is_told = draft.mission.initial_pose != unknown || draft.single(Seat::Relocalizer).is_some();
+    let Some(localizer) = draft.single(Seat::Localizer).filter(|_| !is_told) else { return };
+    if localizer.manifest().is_some_and(|manifest| manifest.needs_start_pose)
+        && let Some(node) = &draft.mission_node
+    {
+        let message = "is \"unknown\", but this localizer must be told where the robot starts";
+        let place = node.nearest("initial_pose").place();
+        let fault = Fault::new(FaultCode::MissingPart, "mission.initial_pose", place, message);
+        faults.push(
+            fault
+                .note("the localizer is here", localizer.node.place())
+                .help("name a localizer that finds the robot, such as particle_filter, or a [relocalizer]"),
+        );
     }
 }
 

@@ -1,7 +1,7 @@
 //! From a pipeline file to a pipeline, with every fault of the file.
 
 use super::draft::Draft;
-use super::{Pipeline, fits};
+use super::{Pipeline, RecordTo, fits};
 use crate::document::{Document, Fault, FaultCode, Faults, Node, NodeValue, fill_defaults, join_path};
 use crate::engine::Engine;
 use crate::registry::Registry;
@@ -19,8 +19,8 @@ pub struct Loaded {
     pub pipeline: Option<Pipeline>,
     /// Libraries with more plugins (`plugin_path`), from the file's folder.
     pub plugin_path: Vec<PathBuf>,
-    /// Where to record the run (`record`), from the file's folder.
-    pub record: Option<PathBuf>,
+    /// Where to record the run (`record`): a file as seen from here.
+    pub record: Option<RecordTo>,
     draft: Draft,
 }
 
@@ -53,7 +53,10 @@ impl Loaded {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let pipeline = draft.pipeline(&folder);
         let plugin_path = draft.head.plugin_path.iter().map(|path| folder.join(path)).collect();
-        let record = draft.head.record.as_ref().map(|path| folder.join(path));
+        let record = draft.head.record.as_ref().map(|record| match record {
+            RecordTo::File(path) => RecordTo::File(folder.join(path)),
+            RecordTo::Usual(is_wanted) => RecordTo::Usual(*is_wanted),
+        });
         faults.sort();
         Loaded { document, faults, pipeline, plugin_path, record, draft }
     }

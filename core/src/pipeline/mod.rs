@@ -17,7 +17,7 @@ mod spec;
 
 pub use load::Loaded;
 pub use mission::{Expect, InitialPose, Mission, PipelineTest, Waypoint, WellKnownPose};
-pub use own_sections::Head;
+pub use own_sections::{Head, RecordTo};
 pub use reserved::{Mount, Reserved};
 pub use schema::schema;
 pub use seat::Seat;

@@ -8,7 +8,9 @@ use crate::engine::EndReason;
 use crate::registry::ParseFault;
 use crate::robot::Robot;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer, Serialize};
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// The version of the pipeline file that this program writes; it reads all up to it.
@@ -26,14 +28,47 @@ pub struct Head {
     pub schema: u32,
     /// Libraries with more plugins, relative to the file's folder.
     pub plugin_path: Vec<PathBuf>,
-    /// Where to record the run, relative to the file's folder.
+    /// Where to record the run, relative to the file's folder; or `true` for a file below `out/`, named after the
+    /// pipeline.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub record: Option<PathBuf>,
+    pub record: Option<RecordTo>,
 }
 
 impl Default for Head {
     fn default() -> Self {
         Head { name: String::new(), seed: 0, schema: SCHEMA_VERSION, plugin_path: Vec::new(), record: None }
+    }
+}
+
+/// Where a run is recorded.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum RecordTo {
+    /// Yes, below `out/`, or no.
+    Usual(bool),
+    /// In this file.
+    File(PathBuf),
+}
+
+impl<'de> Deserialize<'de> for RecordTo {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<RecordTo, D::Error> {
+        struct Told;
+        impl Visitor<'_> for Told {
+            type Value = RecordTo;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("the name of a file, or true")
+            }
+
+            fn visit_bool<E>(self, is_wanted: bool) -> Result<RecordTo, E> {
+                Ok(RecordTo::Usual(is_wanted))
+            }
+
+            fn visit_str<E>(self, file: &str) -> Result<RecordTo, E> {
+                Ok(RecordTo::File(PathBuf::from(file)))
+            }
+        }
+        from.deserialize_any(Told)
     }
 }
 

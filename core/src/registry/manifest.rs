@@ -26,6 +26,8 @@ pub struct Manifest {
     pub default_rate_hz: Option<f64>,
     /// The fastest that the device can do, times a second.
     pub max_rate_hz: Option<f64>,
+    /// It follows a robot from a pose that somebody must name: it cannot find one.
+    pub needs_start_pose: bool,
     /// It asks for motion while it looks for the robot.
     pub wishes_motion: bool,
 }
@@ -43,6 +45,7 @@ impl Default for Manifest {
             drives: DriveKind::ALL.to_vec(),
             default_rate_hz: None,
             max_rate_hz: None,
+            needs_start_pose: false,
             wishes_motion: false,
         }
     }

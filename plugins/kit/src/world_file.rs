@@ -173,7 +173,7 @@ pub fn load_world(path: &Path) -> Result<WorldScene, WorldFileError> {
     if path.extension().is_some_and(|extension| extension == "yaml" || extension == "yml") {
         return Ok(WorldScene::of_map(path.to_path_buf()));
     }
-    let text = std::fs::read_to_string(path)
+    let text = crate::small_file::read_text(path)
         .map_err(|source| WorldFileError::Unreadable { path: path.to_path_buf(), source })?;
     parse_world(&text, path)
 }

@@ -3,6 +3,7 @@
 
 pub mod a_star;
 pub mod dp;
+mod hull_fit;
 pub mod plan_grid;
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! Time is virtual and begins at the first stamp of the log; observations come at their recorded stamps, in the order of
 //! these stamps. What the recording lacks, it does not answer.
 
+mod bag;
 mod channel;
 mod odometer;
 mod params;
@@ -10,7 +11,8 @@ mod playback;
 mod plugin;
 mod truth;
 
+pub use bag::{BagPlayback, BagSource};
 pub use params::{LogParams, LogStart, RecordedChannel, TRUTH_INSIDE};
 pub use playback::Playback;
-pub use plugin::LogWorld;
+pub use plugin::{BagWorld, LogWorld};
 pub use truth::KnownTruth;

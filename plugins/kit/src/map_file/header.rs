@@ -74,7 +74,7 @@ struct RawHeader {
 /// # Errors
 /// [`MapFileError::Unreadable`], [`MapFileError::Header`] or [`MapFileError::Value`].
 pub fn load_map_header(yaml: &Path) -> Result<MapHeader, MapFileError> {
-    let text = std::fs::read_to_string(yaml)
+    let text = crate::small_file::read_text(yaml)
         .map_err(|source| MapFileError::Unreadable { path: yaml.to_path_buf(), source })?;
     let raw: RawHeader = serde_saphyr::from_str(&text).map_err(|error| MapFileError::Header {
         path: yaml.to_path_buf(),

@@ -118,7 +118,11 @@ impl Localizer for DeadReckoning {
 
 impl Plugin<dyn Localizer> for OdometryParams {
     fn manifest(&self) -> Manifest {
-        Manifest { consumes: vec![vec![ObservationKind::Odometry]], ..Manifest::default() }
+        Manifest {
+            consumes: vec![vec![ObservationKind::Odometry]],
+            needs_start_pose: true,
+            ..Manifest::default()
+        }
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Localizer>, BuildError> {

@@ -31,6 +31,7 @@ pub struct OccupancyGrid {
     track: OdometryTrack,
     beams: BeamEnds,
     painter: ScanPainter,
+    has_told_full: bool,
 }
 
 /// What is remembered of each scanner: two that look to different sides do not wait for each other.
@@ -92,6 +93,7 @@ impl Plugin<dyn MapBuilder> for OccupancyGridParams {
             track: OdometryTrack::new(),
             beams: BeamEnds::default(),
             painter: ScanPainter::default(),
+            has_told_full: false,
             params: self.clone(),
         }))
     }
@@ -107,7 +109,12 @@ impl MapBuilder for OccupancyGrid {
             self.track.push(observation.stamp, odometry);
         }
         for (observation, scan) in input.seen.laser_scans().filter(|(observation, _)| observation.valid) {
-            match self.insert_scan(observation, scan, input, map)? {
+            let skipped = self.insert_scan(observation, scan, input, map)?;
+            // Only now: what failed is handed in once more.
+            let source = self.source(observation.sensor);
+            let newest = self.sources[source].newest.max(Some(observation.stamp));
+            self.sources[source].newest = newest;
+            match skipped {
                 None => cx.trace.count("scans inserted", 1.0),
                 Some(skipped) => cx.trace.count(skipped.counter(), 1.0),
             }
@@ -137,7 +144,6 @@ impl OccupancyGrid {
         if self.sources[source].newest.is_some_and(|newest| observation.stamp <= newest) {
             return Ok(Some(Skipped::NotNewer));
         }
-        self.sources[source].newest = Some(observation.stamp);
         let Some(map_from_base) = self.pose_at(observation.stamp, input) else {
             return Ok(Some(Skipped::NoPose));
         };
@@ -171,7 +177,6 @@ impl OccupancyGrid {
             return Ok(Some(Skipped::BesideTheMap));
         }
         self.is_blank = false;
-        self.sources[source].newest = Some(observation.stamp);
         self.sources[source].gate.close(&map_from_base);
         map.touch();
         Ok(None)
@@ -221,6 +226,14 @@ impl OccupancyGrid {
         match self.pyramid.make_room(map, low, high)? {
             Grown::Fits => Ok(false),
             Grown::Grew => Ok(true),
+            Grown::TooLarge if !self.has_told_full => {
+                self.has_told_full = true;
+                let most = self.params.max_cells;
+                Err(MapError::Other(format!(
+                    "the grid cannot grow beyond max_cells = {most}, and what lies beside it is left out; raise max_cells \
+                     or resolution_m"
+                )))
+            }
             // The cells that are there are still worth having; only a robot beside them has nothing to say.
             Grown::TooLarge => Ok(self.pyramid.make_room(map, origin, origin)? == Grown::Grew),
         }

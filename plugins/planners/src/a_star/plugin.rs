@@ -3,6 +3,7 @@
 use super::AStarParams;
 use super::grid_a_star::{AStarFault, GridAStar, GridPath};
 use crate::dp::checkpoints::checkpoints;
+use crate::hull_fit::fits_hull;
 use crate::plan_grid::PlanGrid;
 use rumbo_core::map::Layer;
 use rumbo_core::messages::Path;
@@ -74,7 +75,10 @@ impl Plugin<dyn Planner> for AStarParams {
         Manifest { needs_layers: vec![Layer::Grid], ..Manifest::default() }
     }
 
-    fn build(&self, _: &BuildContext) -> Result<Box<dyn Planner>, BuildError> {
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Planner>, BuildError> {
+        if let Some(clearance_m) = self.clearance_m {
+            fits_hull("clearance_m", clearance_m, &context.robot)?;
+        }
         Ok(Box::new(AStar::new(self.clone())))
     }
 }

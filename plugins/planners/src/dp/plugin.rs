@@ -4,6 +4,7 @@ use super::DpParams;
 use super::cost_map::keeps;
 use super::grid_dp::{DpFault, DpPlan, DpRequest, DpRules, GridDp};
 use super::obstruction::Obstruction;
+use crate::hull_fit::fits_hull;
 use crate::plan_grid::PlanGrid;
 use rumbo_core::map::Layer;
 use rumbo_core::messages::{Path, PathPoint};
@@ -144,7 +145,8 @@ impl Plugin<dyn Planner> for DpParams {
         Manifest { needs_layers: vec![Layer::Grid], ..Manifest::default() }
     }
 
-    fn build(&self, _: &BuildContext) -> Result<Box<dyn Planner>, BuildError> {
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Planner>, BuildError> {
+        fits_hull("minimum_clearance_m", self.minimum_clearance_m, &context.robot)?;
         Ok(Box::new(Dp::new(self.clone())))
     }
 }

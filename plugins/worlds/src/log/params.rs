@@ -12,7 +12,12 @@ use serde::{Deserialize, Serialize};
 /// The word that stands for the poses inside the log.
 pub const TRUTH_INSIDE: &str = "log";
 
-/// A recorded robot log: CARMEN (`.log`, `.clf`) or Wean Hall, plain or gzip, of any size.
+/// A recording of any size: a run of `rumbo run --record`, a ROS 2 bag (MCAP), or a robot log of CARMEN (`.log`, `.clf`)
+/// or Wean Hall, plain or gzip.
+///
+/// Bags have `sensor_msgs/msg/LaserScan`, `nav_msgs/msg/Odometry`, `sensor_msgs/msg/Imu`, and `tf2_msgs/msg/TFMessage`
+/// for an odometer that speaks in transforms from `odom`. A run of ours brings its start, its map and its true poses
+/// along; its observations come when they arrived.
 ///
 /// Time begins at the first stamp of the log. Records that are up to 2 s out of order are sorted by their stamps; what is
 /// farther out of order, or has the stamp of the record before it in its channel, is left out and counted. Lines that
@@ -25,10 +30,11 @@ pub struct LogParams {
     /// The map that belongs to the log: a map_server YAML file or a TOML world file, for plugins without a file of their
     /// own.
     pub map: Option<PathBuf>,
-    /// Which recorded channel a sensor gets, by the sensor's name: `front_laser`, `rear_laser` or `odometry`. A sensor
-    /// that is not listed gets the channel of its own name. Without any entry for a laser, and with one laser in the
-    /// log, every laser sensor gets that one; the same goes for odometry.
-    pub channels: BTreeMap<String, RecordedChannel>,
+    /// Which recorded channel a sensor gets, by the sensor's name: `front_laser`, `rear_laser` or `odometry` of a text
+    /// log, the name of a recorded sensor of a run, a topic such as `/scan` of a ROS 2 bag. A sensor that is not listed
+    /// gets the channel of its own name. Without any entry for a laser, and with one laser in the log, every laser
+    /// sensor gets that one; the same goes for odometry.
+    pub channels: BTreeMap<String, String>,
     /// Where an operator would say that the robot stands at the first stamp. Without it: the first true pose if it is
     /// within 2 s of the first stamp; else, if there is no `map`, the odometer's first pose.
     pub start: Option<LogStart>,
@@ -86,6 +92,25 @@ impl RecordedChannel {
 }
 
 impl LogParams {
+    /// True poses are those of the recording itself.
+    pub fn truth_is_inside(&self) -> bool {
+        self.truth.as_ref().is_some_and(|truth| truth.as_os_str() == TRUTH_INSIDE)
+    }
+
+    /// The channels of a text log.
+    pub fn log_channels(&self) -> Result<BTreeMap<String, RecordedChannel>, BuildError> {
+        let channel = |(sensor, name): (&String, &String)| {
+            let known = RecordedChannel::ALL.into_iter().find(|channel| channel.name() == name);
+            let names = RecordedChannel::ALL.map(RecordedChannel::name).join(", ");
+            let wrong = || {
+                let message = format!("is `{name}`, expected one of {names}: this is a text log");
+                BuildError::at(format!("channels.{sensor}"), message)
+            };
+            known.map(|known| (sensor.clone(), known)).ok_or_else(wrong)
+        };
+        self.channels.iter().map(channel).collect()
+    }
+
     /// What the user knows of the beams.
     pub fn known(&self) -> BeamOverride {
         BeamOverride {
@@ -100,8 +125,10 @@ impl Params for LogParams {
     fn check(&self) -> Vec<BuildError> {
         let mut faults = Vec::new();
         if self.file.as_os_str().is_empty() {
-            let fault = BuildError::at("file", "is missing, expected the path of a robot log");
-            faults.push(fault.help("CARMEN logs (.log, .clf) and Wean Hall logs are read, plain or gzip"));
+            let fault = BuildError::at("file", "is missing, expected the path of a recording");
+            faults.push(fault.help(
+                "runs (.mcap), ROS 2 bags (.mcap), CARMEN logs (.log, .clf) and Wean Hall logs are read",
+            ));
         }
         let start = self.start.iter().flat_map(|start| {
             [("start.x_m", start.x_m), ("start.y_m", start.y_m), ("start.yaw_deg", start.yaw_deg)]

@@ -1,6 +1,12 @@
 //! The recording as a world of the framework.
 
+mod bag_world;
+
+pub use bag_world::BagWorld;
+
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use rumbo_core::frames::{Pose2, pose2};
@@ -9,15 +15,16 @@ use rumbo_core::registry::{Params, Plugin};
 use rumbo_core::stages::{Advance, Answer, BuildContext, BuildError, Drove, Probe, Truth, World, WorldError};
 use rumbo_core::time::Time;
 use rumbo_kit::log_file::{Timeline, read_poses};
+use rumbo_kit::recording::MAGIC;
 
-use super::params::{LogParams, RecordedChannel, TRUTH_INSIDE};
+use super::params::{LogParams, RecordedChannel};
 use super::playback::Playback;
 use super::truth::KnownTruth;
 
 rumbo_core::register_world!(
     LogParams,
     "log",
-    "a recorded robot log: CARMEN or Wean Hall, plain or gzip, of any size"
+    "a recording: a run, a ROS 2 bag (MCAP), a CARMEN or Wean Hall log, of any size"
 );
 
 /// A recording.
@@ -37,31 +44,41 @@ impl Plugin<dyn World> for LogParams {
             return Err(fault);
         }
         let file = context.resolve(&self.file);
-        let timeline =
-            Timeline::open(&file, self.known()).map_err(|error| BuildError::at("file", error.to_string()))?;
         let map_file = self.map.as_ref().map(|map| context.resolve(map));
         if let Some(map) = map_file.as_ref().filter(|map| !map.is_file()) {
             return Err(BuildError::at("map", format!("{}: there is no such file", map.display())));
         }
+        if begins_like_a_bag(&file) {
+            return Ok(Box::new(BagWorld::build(self, context, file, map_file)?));
+        }
+        let timeline =
+            Timeline::open(&file, self.known()).map_err(|error| BuildError::at("file", error.to_string()))?;
+        let channels = self.log_channels()?;
         let mut sentences = Vec::new();
         let truth = self.known_truth(context, timeline.origin(), &mut sentences)?;
         let mut playback = Playback::new(timeline, self.file.display().to_string(), truth);
         sentences.iter().for_each(|sentence| playback.notify(sentence));
         let start = self.start_pose(&playback);
-        let channels = self.channels.clone();
         Ok(Box::new(LogWorld { playback, channels, start, map_file, file, is_over: false }))
     }
 }
 
+/// The file is MCAP, whatever its name.
+fn begins_like_a_bag(file: &Path) -> bool {
+    let mut first = [0; MAGIC.len()];
+    let read = File::open(file).and_then(|mut file| file.read_exact(&mut first));
+    read.is_ok() && first == MAGIC
+}
+
 impl LogParams {
-    fn known_truth(
+    pub(super) fn known_truth(
         &self,
         context: &BuildContext,
         origin: Time,
         sentences: &mut Vec<String>,
     ) -> Result<KnownTruth, BuildError> {
         let Some(truth) = &self.truth else { return Ok(KnownTruth::default()) };
-        if truth.as_os_str() == TRUTH_INSIDE {
+        if self.truth_is_inside() {
             return Ok(KnownTruth::inside());
         }
         let path = context.resolve(truth);
@@ -178,5 +195,7 @@ impl World for LogWorld {
     }
 }
 
+#[cfg(test)]
+mod bag_tests;
 #[cfg(test)]
 mod tests;

@@ -152,7 +152,12 @@ fn the_map_grows_to_what_is_seen_or_leaves_it_out() {
     assert_eq!(map.grid, before);
     let small = OccupancyGridParams { max_cells: 128 * 128, ..params() };
     let (mut builder, mut map) = build(&small);
-    let given = insert(builder.as_mut(), &mut map, &[round(0.0, 7.0)], &known(0.0, Pose2::identity()));
+    let (seen, estimate, trace) = ([round(0.0, 7.0)], known(0.0, Pose2::identity()), Trace::unwatched());
+    let input = MapInput { seen: Seen::sorted(&seen), estimate: &estimate };
+    let error = builder.insert(&mut Cx { now: Time(0), trace: &trace }, &input, &mut map).unwrap_err();
+    assert!(error.to_string().contains("max_cells = 16384"), "{error}");
+    // The engine hands the same scans in once more after a failure.
+    let given = insert(builder.as_mut(), &mut map, &seen, &estimate);
     assert_eq!(given, INSERTED, "beams that leave a map that may not grow are cut at its edge");
     assert_eq!(map.grid.as_ref().map(Grid::width), Some(128));
     assert_eq!(class(&map, 2.5, 0.0), CellClass::Free);

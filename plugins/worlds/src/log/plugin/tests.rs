@@ -8,6 +8,7 @@ use rumbo_core::registry::{Registry, Stage};
 
 use super::*;
 use crate::log::LogStart;
+use crate::log::TRUTH_INSIDE;
 
 /// A file that goes with its test.
 struct TempFile(PathBuf);
@@ -119,7 +120,7 @@ fn a_channel_says_once_what_was_recorded_since_it_was_asked_last() {
 #[test]
 fn names_are_respected_where_the_pipeline_gives_them_or_the_log_has_two_lasers() {
     let file = TempFile::new(&drive_text());
-    let channels = BTreeMap::from([("laser".to_owned(), RecordedChannel::FrontLaser)]);
+    let channels = BTreeMap::from([("laser".to_owned(), "front_laser".to_owned())]);
     let mut world = build(&LogParams { file: file.0.clone(), channels, ..LogParams::default() });
     let unsupported =
         |answer: Result<Answer<'_>, WorldError>| matches!(answer, Err(WorldError::Unsupported { .. }));
@@ -240,7 +241,7 @@ fn a_truth_that_never_fits_is_told() {
 #[test]
 fn a_channel_of_the_pipeline_that_the_log_lacks_is_told() {
     let file = TempFile::new(&drive_text());
-    let channels = BTreeMap::from([("back".to_owned(), RecordedChannel::RearLaser)]);
+    let channels = BTreeMap::from([("back".to_owned(), "rear_laser".to_owned())]);
     let params =
         LogParams { file: file.0.clone(), channels, bearing_step_deg: Some(1.0), ..LogParams::default() };
     let (_, notices) = play(build(&params).as_mut(), &Probe::Channel { name: "back" });
@@ -284,7 +285,10 @@ fn bad_parameters_and_files_are_named() {
     assert!(configured.check().is_empty());
     let error = configured.build(&BuildContext::bare("world")).err().unwrap();
     assert!(error.path == "file" && error.message.contains("./a.clf: cannot read the log"), "{error}");
-    let fault = entry.source.parse(toml::from_str("channels = { laser = 'front' }").unwrap()).err().unwrap();
+    let log = TempFile::new(&drive_text());
+    let channels = BTreeMap::from([("laser".to_owned(), "/scan".to_owned())]);
+    let topics = LogParams { file: log.0.clone(), channels, ..LogParams::default() };
+    let fault = topics.build(&BuildContext::bare("world")).err().unwrap();
     assert!(fault.path == "channels.laser" && fault.message.contains("front_laser"), "{fault:?}");
     let bad = LogParams {
         start: Some(LogStart { x_m: f64::NAN, y_m: 0.0, yaw_deg: 0.0 }),

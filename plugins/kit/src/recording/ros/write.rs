@@ -1,0 +1,150 @@
+//! Copies of a run in ROS 2's messages, for viewers.
+
+use crate::recording::cdr::CdrWriter;
+use nalgebra::Matrix6;
+use rumbo_core::frames::{Pose2, Pose3, Twist, lift};
+use rumbo_core::map::{CellClass, Grid};
+use rumbo_core::messages::{LaserScan, Path, PointCloud};
+use rumbo_core::time::Time;
+
+/// When, and in which frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Stamped<'a> {
+    /// When.
+    pub stamp: Time,
+    /// In which frame.
+    pub frame: &'a str,
+}
+
+fn put_time(cdr: &mut CdrWriter, time: Time) {
+    const SECOND: i64 = 1_000_000_000;
+    cdr.i32(i32::try_from(time.0.div_euclid(SECOND)).unwrap_or(i32::MAX));
+    cdr.u32(u32::try_from(time.0.rem_euclid(SECOND)).unwrap_or(0));
+}
+
+fn put_stamped(cdr: &mut CdrWriter, at: Stamped<'_>) {
+    put_time(cdr, at.stamp);
+    cdr.text(at.frame);
+}
+
+fn put_pose3(cdr: &mut CdrWriter, pose: &Pose3) {
+    let (t, q) = (&pose.translation, &pose.rotation);
+    cdr.array(&[t.x, t.y, t.z, q.i, q.j, q.k, q.w]);
+}
+
+/// A planar scan.
+pub fn put_scan(cdr: &mut CdrWriter, at: Stamped<'_>, scan: &LaserScan) {
+    put_stamped(cdr.begin(), at);
+    let n_steps = scan.ranges_m.len().saturating_sub(1);
+    let per_step = if n_steps > 0 { scan.sweep_s / n_steps as f64 } else { 0.0 };
+    cdr.f32(scan.first_bearing_rad as f32);
+    cdr.f32(scan.bearing_rad(n_steps) as f32);
+    cdr.f32(scan.bearing_step_rad as f32);
+    cdr.f32(per_step as f32);
+    cdr.f32(scan.sweep_s as f32);
+    cdr.f32(scan.min_range_m);
+    cdr.f32(scan.max_range_m);
+    cdr.f32s(&scan.ranges_m);
+    cdr.f32s(&scan.intensities);
+}
+
+/// Points in space.
+pub fn put_cloud(cdr: &mut CdrWriter, at: Stamped<'_>, cloud: &PointCloud) {
+    /// `sensor_msgs/PointField.FLOAT32`.
+    const FLOAT32: u8 = 7;
+    const POINT_BYTES: usize = 12;
+    put_stamped(cdr.begin(), at);
+    let n_points = cloud.points_m.len();
+    cdr.u32(1);
+    cdr.length(n_points);
+    cdr.length(3);
+    for (name, offset) in [("x", 0), ("y", 4), ("z", 8)] {
+        cdr.text(name);
+        cdr.u32(offset);
+        cdr.u8(FLOAT32);
+        cdr.u32(1);
+    }
+    cdr.bool(false);
+    cdr.length(POINT_BYTES);
+    cdr.length(POINT_BYTES * n_points);
+    let bytes: Vec<u8> = cloud.points_m.as_flattened().iter().flat_map(|part| part.to_le_bytes()).collect();
+    cdr.octets(&bytes);
+    cdr.bool(false);
+}
+
+/// A place and its covariance of x, y, z, roll, pitch, yaw.
+pub fn put_pose(cdr: &mut CdrWriter, at: Stamped<'_>, pose: &Pose3, covariance: &Matrix6<f64>) {
+    put_stamped(cdr.begin(), at);
+    put_pose3(cdr, pose);
+    // ROS counts along rows, nalgebra along columns; a covariance is its own transpose.
+    cdr.array(covariance.as_slice());
+}
+
+/// A place.
+pub fn put_place(cdr: &mut CdrWriter, at: Stamped<'_>, pose: &Pose3) {
+    put_stamped(cdr.begin(), at);
+    put_pose3(cdr, pose);
+}
+
+/// A path; without one an empty path, which viewers draw as none.
+pub fn put_path(cdr: &mut CdrWriter, at: Stamped<'_>, path: Option<&Path>) {
+    put_stamped(cdr.begin(), at);
+    let points = path.map_or(&[][..], Path::points);
+    cdr.length(points.len());
+    for point in points {
+        put_stamped(cdr, at);
+        let pose = Pose2::new(point.position.coords, point.yaw_rad.unwrap_or(0.0));
+        put_pose3(cdr, &lift(&pose));
+    }
+}
+
+/// A map of cells: 0 free, 100 occupied, -1 unknown.
+pub fn put_grid(cdr: &mut CdrWriter, at: Stamped<'_>, grid: &Grid) {
+    const UNKNOWN: u8 = u8::MAX;
+    put_stamped(cdr.begin(), at);
+    put_time(cdr, at.stamp);
+    cdr.f32(grid.resolution_m() as f32);
+    cdr.u32(grid.width());
+    cdr.u32(grid.height());
+    put_pose3(cdr, &lift(&grid.map_from_grid()));
+    let cells: Vec<u8> = grid
+        .cells
+        .iter()
+        .map(|log_odds| match grid.class_of(*log_odds) {
+            CellClass::Free => 0,
+            CellClass::Occupied => 100,
+            CellClass::Unknown => UNKNOWN,
+        })
+        .collect();
+    cdr.octets(&cells);
+}
+
+/// Where frames are: parent, child, and `parent_from_child`.
+pub fn put_transforms(cdr: &mut CdrWriter, stamp: Time, transforms: &[(&str, &str, Pose3)]) {
+    cdr.begin().length(transforms.len());
+    for (parent, child, parent_from_child) in transforms {
+        put_stamped(cdr, Stamped { stamp, frame: parent });
+        cdr.text(child);
+        put_pose3(cdr, parent_from_child);
+    }
+}
+
+/// A velocity.
+pub fn put_twist(cdr: &mut CdrWriter, at: Stamped<'_>, twist: &Twist) {
+    put_stamped(cdr.begin(), at);
+    cdr.array(&[twist.forward_m_s, twist.left_m_s, 0.0]);
+    cdr.array(&[0.0, 0.0, twist.turn_rad_s]);
+}
+
+/// A line of a log.
+pub fn put_log(cdr: &mut CdrWriter, stamp: Time, is_trouble: bool, text: &str) {
+    /// `rcl_interfaces/Log.INFO` and `WARN`.
+    const LEVELS: [u8; 2] = [20, 30];
+    put_time(cdr.begin(), stamp);
+    cdr.u8(LEVELS[usize::from(is_trouble)]);
+    cdr.text("rumbo");
+    cdr.text(text);
+    cdr.text("");
+    cdr.text("");
+    cdr.u32(0);
+}

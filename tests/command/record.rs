@@ -1,0 +1,134 @@
+use super::*;
+use rumbo_kit::recording::BagReader;
+use std::collections::BTreeMap;
+
+/// Runs a pipeline and records it.
+pub fn recorded(folder: &Path, name: &str, args: &[&str]) -> String {
+    let path = folder.join(name).display().to_string();
+    let given = give(&[&["run"], args, &["--no-report", "--quiet", "--record", &path]].concat());
+    assert!(given.code < 2, "{}", given.stderr);
+    path
+}
+
+#[test]
+fn recording_changes_no_figure_of_the_run() {
+    let file = scratch("record_figures").join("a.mcap");
+    let figures = |args: &[&str]| {
+        let given =
+            give(&[&["run", "pipelines/office_blocked.toml", "--no-report", "--json"], args].concat());
+        let measured = |line: &&str| line.contains("\"realtime_factor\"") || line.contains("\"cpu_");
+        given.stdout.lines().filter(|line| !measured(line)).map(str::to_owned).collect::<Vec<String>>()
+    };
+    assert_eq!(figures(&[]), figures(&["--record", file.to_str().unwrap()]));
+    assert!(file.is_file());
+}
+
+#[test]
+fn the_same_run_makes_the_same_recording() {
+    let folder = scratch("record_twice");
+    let read = |name| std::fs::read(recorded(&folder, name, &[OFFICE, "--set", SHORT])).unwrap();
+    assert!(read("a.mcap") == read("b.mcap"));
+}
+
+#[test]
+fn a_recording_has_what_viewers_draw_and_what_a_replay_needs() {
+    let file = recorded(&scratch("record_topics"), "a.mcap", &[OFFICE, "--set", SHORT]);
+    let mut counts = BTreeMap::new();
+    for message in BagReader::open(Path::new(&file)).unwrap() {
+        assert_eq!(message.channel.encoding, "cdr");
+        *counts.entry((message.channel.topic.clone(), message.channel.schema.clone())).or_insert(0) += 1;
+    }
+    let count = |topic: &str, schema: &str| counts.get(&(topic.into(), schema.into())).copied().unwrap_or(0);
+    let n_scans = count("/rumbo/sensor/front_laser/laser_scan", "rumbo_msgs/msg/LaserScan");
+    assert!(n_scans > 10, "{counts:#?}");
+    assert_eq!(count("/sensor/front_laser", "sensor_msgs/msg/LaserScan"), n_scans);
+    for (topic, schema) in [
+        ("/tf", "tf2_msgs/msg/TFMessage"),
+        ("/tf_static", "tf2_msgs/msg/TFMessage"),
+        ("/pose", "geometry_msgs/msg/PoseWithCovarianceStamped"),
+        ("/truth", "geometry_msgs/msg/PoseStamped"),
+        ("/cmd_vel", "geometry_msgs/msg/TwistStamped"),
+        ("/plan", "nav_msgs/msg/Path"),
+        ("/map", "nav_msgs/msg/OccupancyGrid"),
+        ("/log", "rcl_interfaces/msg/Log"),
+        ("/rumbo/run", "rumbo_msgs/msg/Run"),
+        ("/rumbo/estimate", "rumbo_msgs/msg/Estimate"),
+        ("/rumbo/path", "rumbo_msgs/msg/Path"),
+        ("/rumbo/command", "rumbo_msgs/msg/Command"),
+        ("/rumbo/event", "rumbo_msgs/msg/Event"),
+        ("/rumbo/step", "rumbo_msgs/msg/Step"),
+        ("/rumbo/map", "rumbo_msgs/msg/MapHash"),
+        ("/rumbo/end", "rumbo_msgs/msg/End"),
+    ] {
+        assert!(count(topic, schema) > 0, "{topic}: {counts:#?}");
+    }
+}
+
+#[test]
+fn a_pipeline_can_ask_for_its_recording() {
+    let folder = scratch("record_key");
+    let office = Path::new(env!("CARGO_MANIFEST_DIR")).join(OFFICE).display().to_string();
+    let run = |args: &[&str]| {
+        let args = [&["run", &office, "--set", SHORT, "--no-report", "--quiet"], args].concat();
+        given(rumbo(&args).current_dir(&folder))
+    };
+    assert_eq!(run(&["--set", "record=true"]).code, 0);
+    assert!(folder.join("out/office.mcap").is_file());
+    let named = folder.join("named.mcap");
+    assert_eq!(run(&["--set", &format!("record={}", named.display())]).code, 0);
+    assert!(named.is_file());
+    let wrong = run(&["--set", "record=3"]);
+    assert_eq!(wrong.code, 2);
+    assert!(wrong.stderr.contains("record"), "{}", wrong.stderr);
+    let text =
+        std::fs::read_to_string(&office).unwrap().replace("seed = 7", "seed = 7\nrecord = \"sub/a.mcap\"");
+    let pipelines = format!("include = [\"{}/pipelines/", env!("CARGO_MANIFEST_DIR"));
+    let text = text.replace("include = [\"", &pipelines);
+    let map = format!("\"{}/pipelines/worlds/", env!("CARGO_MANIFEST_DIR"));
+    std::fs::write(folder.join("own.toml"), text.replace("\"worlds/", &map)).unwrap();
+    let own = folder.join("own.toml").display().to_string();
+    assert_eq!(give(&["run", &own, "--set", SHORT, "--no-report", "--quiet"]).code, 0);
+    assert!(folder.join("sub/a.mcap").is_file(), "relative to the pipeline's folder");
+}
+
+#[test]
+fn a_recording_that_cannot_be_written_is_the_commands_own_failure() {
+    let folder = scratch("record_not_writable");
+    std::fs::write(folder.join("file"), "").unwrap();
+    let file = folder.join("file/a.mcap").display().to_string();
+    let given = give(&["run", OFFICE, "--set", SHORT, "--no-report", "--record", &file]);
+    assert_eq!(given.code, 3, "{}", given.stderr);
+    if Path::new("/dev/full").exists() {
+        let given = give(&["run", OFFICE, "--set", SHORT, "--no-report", "--record", "/dev/full"]);
+        assert_eq!(given.code, 3, "{}", given.stderr);
+        assert!(given.stderr.contains("cannot write /dev/full"), "{}", given.stderr);
+    }
+}
+
+#[test]
+fn a_recording_is_a_world_for_another_pipeline() {
+    let folder = scratch("record_world");
+    let file = recorded(&folder, "a.mcap", &[OFFICE, "--set", SHORT]);
+    let text = format!(
+        "[world]\nplugin = \"log\"\nfile = \"{file}\"\nchannels = {{ eyes = \"front_laser\" }}\n\
+         [[sensor]]\nname = \"eyes\"\nplugin = \"laser_2d\"\n\
+         [[sensor]]\nname = \"odometry\"\nplugin = \"wheel_encoders\"\n\
+         [map_builder]\nplugin = \"occupancy_grid\"\n[localizer]\nplugin = \"odometry\"\n"
+    );
+    let pipeline = folder.join("again.toml");
+    std::fs::write(&pipeline, &text).unwrap();
+    let given = give(&["run", pipeline.to_str().unwrap(), "--no-report", "--json"]);
+    let figures = given.json();
+    assert_eq!(figures["reason"], "ended", "{}", given.stderr);
+    assert!(figures["map_free_m2"].as_f64().unwrap() > 10.0, "{figures}");
+    assert!(figures["final_error_m"].as_f64().unwrap() < 0.1, "{figures}");
+    assert_eq!(figures["stage_failures"], 0, "{figures}");
+    // A run in a recorded world can be recorded and replayed, too.
+    let again = recorded(&folder, "b.mcap", &[pipeline.to_str().unwrap()]);
+    let replayed = give(&["replay", &again]);
+    assert_eq!(replayed.code, 0, "{}", replayed.stderr);
+    std::fs::write(&pipeline, text.replace("\"front_laser\"", "\"front_lasr\"")).unwrap();
+    let given = give(&["check", pipeline.to_str().unwrap()]);
+    assert_eq!(given.code, 2);
+    assert!(given.stderr.contains("recorded with the sensors front_laser"), "{}", given.stderr);
+}
