@@ -53,6 +53,18 @@ pub enum Weighed {
     Degenerate,
 }
 
+/// How well the best place fits what is seen.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Fit {
+    /// A followed place explains enough of the beams; what it does not explain is not on the map.
+    Good,
+    /// Nothing was seen, or no place is followed yet.
+    #[default]
+    Unknown,
+    /// It cannot be the true one.
+    Bad,
+}
+
 /// Particles and what moves, weighs and draws them.
 pub struct ParticleFilter {
     settings: FilterSettings,
@@ -63,7 +75,7 @@ pub struct ParticleFilter {
     step: u64,
     updates_since_resampling: u32,
     is_degenerate: bool,
-    is_misplaced: bool,
+    fit: Fit,
     clustering: Clustering,
     memory: Memory,
 }
@@ -107,7 +119,7 @@ impl ParticleFilter {
             step: 0,
             updates_since_resampling: 0,
             is_degenerate: false,
-            is_misplaced: false,
+            fit: Fit::Unknown,
             clustering: Clustering::default(),
             memory: Memory::default(),
         }
@@ -127,7 +139,7 @@ impl ParticleFilter {
         // A new start forgets the old run: the same start and scans give the same bits.
         self.step = 0;
         self.recovery.reset();
-        (self.updates_since_resampling, self.is_degenerate, self.is_misplaced) = (0, false, false);
+        (self.updates_since_resampling, self.is_degenerate, self.fit) = (0, false, Fit::Unknown);
         self.particles.clear();
         self.streams.stream(self.step, Purpose::Start)
     }
@@ -223,10 +235,15 @@ impl ParticleFilter {
         self.clustering.find(&self.particles)
     }
 
-    /// Says whether the best place fits too badly to be the true one: then other places are searched as well. The averages
-    /// alone cannot tell when the filter has never been anywhere better.
-    pub fn set_misplaced(&mut self, is_misplaced: bool) {
-        self.is_misplaced = is_misplaced;
+    /// Says how well the best place fits: while it fits badly other places are searched as well, and while a followed one
+    /// fits well none are. The averages alone cannot tell when the filter has never been anywhere better, nor a robot that
+    /// was carried away from one in a crowd.
+    pub fn set_fit(&mut self, fit: Fit) {
+        self.fit = fit;
+    }
+
+    fn is_misplaced(&self) -> bool {
+        self.fit == Fit::Bad
     }
 
     /// Whether weight is so unevenly spread that it is time to draw new particles.
@@ -234,7 +251,7 @@ impl ParticleFilter {
         let is_uneven = self.particles.effective_number()
             < self.settings.resample_threshold * self.particles.len() as f64;
         // With equal weights after a loss nothing is uneven, but the scattered ones have to come in.
-        (is_uneven || self.is_degenerate || self.is_misplaced)
+        (is_uneven || self.is_degenerate || self.is_misplaced())
             && self.updates_since_resampling >= self.settings.resample_interval
     }
 
@@ -243,12 +260,16 @@ impl ParticleFilter {
         self.step += 1;
         self.updates_since_resampling = 0;
         let mut rng = self.streams.stream(self.step, Purpose::Resampling);
-        let least = match (self.is_misplaced, self.is_degenerate) {
+        let least = match (self.is_misplaced(), self.is_degenerate) {
             (true, _) => Self::SCATTERED_TO_SEARCH,
             (false, true) => Self::SCATTERED_AFTER_LOSS,
             (false, false) => 0.0,
         };
-        let random_share = self.recovery.random_share().max(least);
+        let lately_worse = match self.fit {
+            Fit::Good => 0.0,
+            Fit::Unknown | Fit::Bad => self.recovery.random_share(),
+        };
+        let random_share = lately_worse.max(least);
         self.is_degenerate = false;
         let is_drawn = match self.settings.is_adaptive {
             true => self.draw_adaptively(random_share, terrain, grid, &mut rng),

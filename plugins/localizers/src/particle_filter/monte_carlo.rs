@@ -264,7 +264,11 @@ impl MonteCarlo {
         self.is_first &= weighed == Weighed::Nothing;
         self.set_anchor(odom_from_base, Some(stamp), beams);
         let Some(terrain) = &self.terrain else { return Ok(()) };
-        self.filter.set_misplaced(self.explained().is_some_and(|share| share < self.settings.search_below));
+        let contradicted = self
+            .anchor
+            .as_ref()
+            .and_then(|anchor| terrain.contradicted(&anchor.scans, &anchor.map_from_base));
+        self.filter.set_fit(self.settings.fit(self.explained(), contradicted, self.sureness.status()));
         if weighed != Weighed::Nothing && self.filter.needs_resampling() {
             self.filter.resample(terrain, grid);
         }

@@ -71,6 +71,9 @@ pub struct ParticleFilterParams {
     /// While the best place explains less than this share of the beams, some particles are scattered over the map to
     /// search for a better one. 0 turns this off.
     pub search_below: f64,
+    /// While the robot is followed and at most this share of its beams would have to pass through walls, nothing is
+    /// searched: beams that end early are taken for people and things that the map does not show.
+    pub doubt_above: f64,
     /// A place that explains less than this share of the beams does not fit.
     pub least_explained: f64,
     /// So many updates in a row with one tight cluster, and a robot that could be anywhere counts as found.
@@ -105,6 +108,7 @@ impl Default for ParticleFilterParams {
             unknown_penalty: 5.0,
             max_odom_jump_m: 1.0,
             search_below: 0.8,
+            doubt_above: 0.05,
             least_explained: 0.3,
             found_after_updates: 5,
             lost_after_updates: 10,
@@ -164,6 +168,7 @@ impl Params for ParticleFilterParams {
             ("slip_share", self.slip_share),
             ("resample_threshold", self.resample_threshold),
             ("search_below", self.search_below),
+            ("doubt_above", self.doubt_above),
             ("least_explained", self.least_explained),
         ] {
             expect((0.0..=1.0).contains(&value), key, &value, "a share from 0 to 1");
@@ -219,6 +224,7 @@ impl ParticleFilterParams {
             max_odom_jump_m: self.max_odom_jump_m,
             penalties: Penalties { occupied: OCCUPIED_PENALTY, unknown: self.unknown_penalty },
             search_below: self.search_below,
+            doubt_above: self.doubt_above,
             rules: SurenessRules {
                 least_explained: self.least_explained,
                 found_after_updates: self.found_after_updates,

@@ -6,6 +6,7 @@ use super::measurement::{MeasurementModel, Obstacles, ScanLikelihood};
 use rumbo_core::frames::{Point2, Pose2};
 use rumbo_core::map::{CellClass, Grid};
 use rumbo_kit::GridSize;
+use rumbo_kit::occupancy::line_cells;
 
 /// Everything that is computed once for a version of the map.
 pub struct Terrain {
@@ -33,6 +34,12 @@ pub struct Penalties {
     /// In a cell that nobody has seen.
     pub unknown: f64,
 }
+
+/// A beam may end this far behind an obstacle and still have met it: its place is known to some centimeters, and walls
+/// that it grazes are met far from where they were expected.
+const LEAST_SLACK_M: f64 = 0.5;
+/// The same as a share of the range.
+const SLACK_SHARE: f64 = 0.2;
 
 impl Terrain {
     /// Prepares a map.
@@ -79,6 +86,36 @@ impl Terrain {
         let is_inside = x >= 0.0 && y >= 0.0 && x < width && y < height;
         let cell = if is_inside { self.penalties.get(self.size.index(x as usize, y as usize)) } else { None };
         f64::from(*cell.unwrap_or(&self.outside_penalty))
+    }
+
+    /// Share of the beams of all scans that would pass through an obstacle of the map on their way; none if no beam hit
+    /// anything. Whatever the map does not show makes beams shorter, never longer: only a wrong place makes many of them
+    /// pass through walls.
+    pub fn contradicted(&self, scans: &[ScanBeams], map_from_base: &Pose2) -> Option<f64> {
+        let (mut n_through, mut n_hits) = (0, 0);
+        for scan in scans {
+            let sensor = map_from_base * Point2::from(scan.origin);
+            for (direction, range_m) in scan.hits(scan.max_range_m) {
+                n_hits += 1;
+                let slack_m = LEAST_SLACK_M.max(SLACK_SHARE * range_m);
+                let ahead = map_from_base.rotation * nalgebra::Vector2::from(direction);
+                n_through += usize::from(self.is_blocked(sensor, sensor + ahead * (range_m - slack_m)));
+            }
+        }
+        (n_hits > 0).then(|| n_through as f64 / n_hits as f64)
+    }
+
+    /// Whether an occupied cell lies between two points of the map.
+    fn is_blocked(&self, from: Point2, to: Point2) -> bool {
+        let cell = |point: Point2| {
+            let [x, y, _] = self.in_grid([point.x, point.y, 0.0]);
+            [x.floor() as i32, y.floor() as i32]
+        };
+        let mut is_blocked = false;
+        line_cells(self.size, cell(from), cell(to), |index| {
+            is_blocked |= self.penalties.get(index).is_some_and(|penalty| *penalty >= self.outside_penalty);
+        });
+        is_blocked
     }
 
     /// Share of the beams of all scans that the map explains from a pose; none if no beam says anything.

@@ -1,7 +1,9 @@
 //! What the localizer around the filter is told, and what it counts.
 
+use super::filter::Fit;
 use super::sureness::SurenessRules;
 use super::terrain::Penalties;
+use rumbo_core::messages::Status;
 
 /// Numbers of the localizer around the filter.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +22,8 @@ pub struct TrackerSettings {
     pub penalties: Penalties,
     /// Where the best place explains less than this share of the beams, others are searched.
     pub search_below: f64,
+    /// While the robot is followed and at most this share of its beams pass through walls, no other place is searched.
+    pub doubt_above: f64,
     /// When the robot is lost.
     pub rules: SurenessRules,
     /// The robot may be asked to move.
@@ -28,6 +32,18 @@ pub struct TrackerSettings {
     pub radius_m: f64,
     /// What the robot can do, m/s and rad/s.
     pub max_speed: [f64; 2],
+}
+
+impl TrackerSettings {
+    /// What the shares of beams that the best place explains, and that pass through walls there, say of it.
+    pub fn fit(&self, explained: Option<f64>, contradicted: Option<f64>, status: Status) -> Fit {
+        let is_likely = contradicted.is_some_and(|share| share <= self.doubt_above);
+        match explained {
+            Some(_) if status == Status::Tracking && is_likely => Fit::Good,
+            Some(share) if share < self.search_below => Fit::Bad,
+            _ => Fit::Unknown,
+        }
+    }
 }
 
 /// What was received, used and dropped since the start; all go up only.
