@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::terminal::Terminal;
-use crate::{check, completions, config, eval, map, plot, plugins, run, schema, test};
+use crate::{check, compare, completions, config, eval, map, plot, plugins, run, schema, test};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -43,6 +43,7 @@ enum Verb {
     Schema(schema::Args),
     Plugins(plugins::Args),
     Test(test::Args),
+    Compare(compare::Args),
     Map(map::Args),
     Eval(eval::Args),
     Plot(plot::Args),
@@ -64,6 +65,7 @@ pub fn main() -> ExitCode {
         Verb::Schema(args) => schema::run(args, &terminal),
         Verb::Plugins(args) => plugins::run(args, &terminal),
         Verb::Test(args) => test::run(args, &terminal),
+        Verb::Compare(args) => compare::run(args, &terminal),
         Verb::Map(args) => map::run(args, &terminal),
         Verb::Eval(args) => eval::run(args, &terminal),
         Verb::Plot(args) => plot::run(args, &terminal),

@@ -5,7 +5,7 @@ use super::observer::{Observer, StepView};
 use super::order::State;
 use super::run::EndReason;
 use super::timing::{Part, StageTimes};
-use crate::frames::{Point2, flatten, wrap_angle};
+use crate::frames::{Point2, Pose2, flatten, wrap_angle};
 use serde::Serialize;
 
 /// The figures of a run. Errors are of the estimate against the truth, and absent where nobody knows the truth.
@@ -31,6 +31,10 @@ pub struct Summary {
     pub rms_error_m: Option<f64>,
     /// 95 % of the steps are below this, estimate to truth, meters.
     pub p95_error_m: Option<f64>,
+    /// Root mean square of the estimate's heading to the truth, degrees.
+    pub rms_heading_error_deg: Option<f64>,
+    /// Turns to either side added up, over the way driven, degrees a meter; absent where the robot stood still.
+    pub turn_deg_m: Option<f64>,
     /// Hull to obstacle at the least, meters.
     pub min_clearance_m: Option<f64>,
     /// How often contact began.
@@ -51,8 +55,10 @@ pub struct Metrics {
     time_s: f64,
     steps: u64,
     path_m: f64,
-    last_position: Option<Point2>,
+    turned_rad: f64,
+    last_pose: Option<Pose2>,
     errors_m: Vec<f32>,
+    squared_heading_errors_rad2: f64,
     final_heading_error_deg: Option<f64>,
     goal: Option<Point2>,
     goal_error_m: Option<f64>,
@@ -67,6 +73,9 @@ pub struct Metrics {
 impl Metrics {
     /// Room for errors of this many steps is taken up front, so that a warm step allocates nothing.
     const ROOM: usize = 1 << 16;
+
+    /// A robot that drove less has no figure per meter.
+    const LEAST_WAY_M: f64 = 0.01;
 
     /// Nothing seen yet.
     pub fn new() -> Metrics {
@@ -101,6 +110,8 @@ impl Metrics {
             final_heading_error_deg: self.final_heading_error_deg,
             rms_error_m: (!sorted.is_empty()).then(|| mean_square.sqrt()),
             p95_error_m: sorted.get(rank.saturating_sub(1)).map(|e| f64::from(*e)),
+            rms_heading_error_deg: self.rms_heading_error_deg(),
+            turn_deg_m: (self.path_m > Self::LEAST_WAY_M).then(|| self.turned_rad.to_degrees() / self.path_m),
             min_clearance_m: self.min_clearance_m,
             contacts: self.contacts,
             replans: self.replans,
@@ -110,13 +121,18 @@ impl Metrics {
         }
     }
 
+    fn rms_heading_error_deg(&self) -> Option<f64> {
+        let n_errors = self.errors_m.len();
+        (n_errors > 0).then(|| (self.squared_heading_errors_rad2 / n_errors as f64).sqrt().to_degrees())
+    }
+
     fn follow(&mut self, view: &StepView<'_>) {
-        let position: Point2 = match view.truth {
-            Some(truth) => flatten(&truth.map_from_base).translation.vector.into(),
-            None => view.odom_from_base.translation.vector.into(),
-        };
-        self.path_m += self.last_position.map_or(0.0, |last| (position - last).norm());
-        self.last_position = Some(position);
+        let pose = view.truth.map_or(view.odom_from_base, |truth| flatten(&truth.map_from_base));
+        if let Some(last) = self.last_pose {
+            self.path_m += (pose.translation.vector - last.translation.vector).norm();
+            self.turned_rad += wrap_angle(pose.rotation.angle() - last.rotation.angle()).abs();
+        }
+        self.last_pose = Some(pose);
         self.goal = view.goal.map(|goal| goal.position).or(self.goal);
     }
 
@@ -125,9 +141,10 @@ impl Metrics {
         let true_pose = flatten(&truth.map_from_base);
         if !matches!(view.state, State::NoMap | State::Lost | State::Localizing) {
             let error_m = (view.map_from_base.translation.vector - true_pose.translation.vector).norm();
-            let turn = view.map_from_base.rotation.angle() - true_pose.rotation.angle();
+            let turn = wrap_angle(view.map_from_base.rotation.angle() - true_pose.rotation.angle());
             self.errors_m.push(error_m as f32);
-            self.final_heading_error_deg = Some(wrap_angle(turn).abs().to_degrees());
+            self.squared_heading_errors_rad2 += turn.powi(2);
+            self.final_heading_error_deg = Some(turn.abs().to_degrees());
         }
         if truth.clearance_m.is_finite() {
             let least = self.min_clearance_m.map_or(truth.clearance_m, |m| m.min(truth.clearance_m));
