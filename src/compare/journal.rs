@@ -146,3 +146,66 @@ impl Journal {
         written.map_err(|error| JournalError::Io { path: self.path.clone(), reason: error.to_string() })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::{swap, worlds::Place};
+
+    fn design() -> Design {
+        Design {
+            base: "p.toml".into(),
+            sets: Vec::new(),
+            ranges: Vec::new(),
+            alternatives: swap::alternatives(&[swap::parse("planner=dp,a_star").unwrap()]),
+            places: vec![Place::own()],
+            seeds: vec![1],
+        }
+    }
+
+    fn result(detail: &str) -> RunResult {
+        let detail = Some(detail.to_owned());
+        RunResult { end: "panicked".into(), detail, start: None, goal: None, straight_m: None, outcome: None }
+    }
+
+    fn scratch(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("rumbo-journal-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        folder.join("runs.jsonl")
+    }
+
+    #[test]
+    fn a_last_line_cut_at_any_byte_is_its_run_again_and_nothing_else() {
+        let (path, design) = (scratch("cut"), design());
+        let _ = std::fs::remove_file(&path);
+        let (mut journal, _) = Journal::open(&path, &design, "f").unwrap();
+        for run in &design.runs() {
+            journal.append(&design, run, &result("on ä line")).unwrap();
+        }
+        drop(journal);
+        let whole = std::fs::read(&path).unwrap();
+        let first = whole.iter().position(|byte| *byte == b'\n').unwrap() + 1;
+        for length in first..whole.len() {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            let (mut journal, done) = Journal::open(&path, &design, "f").unwrap();
+            assert_eq!(done.keys().map(|run| run.alternative).collect::<Vec<_>>(), [0], "{length}");
+            journal.append(&design, &design.runs()[1], &result("on ä line")).unwrap();
+            drop(journal);
+            assert_eq!(std::fs::read(&path).unwrap(), whole, "{length}");
+        }
+        std::fs::remove_dir_all(path.parent().unwrap()).unwrap();
+    }
+
+    #[test]
+    fn a_file_of_another_design_or_another_process_is_left_alone() {
+        let (path, design) = (scratch("other"), design());
+        let _ = std::fs::remove_file(&path);
+        let (mut journal, _) = Journal::open(&path, &design, "f").unwrap();
+        journal.append(&design, &design.runs()[0], &result("")).unwrap();
+        assert!(matches!(Journal::open(&path, &design, "f"), Err(JournalError::InUse { .. })));
+        drop(journal);
+        assert!(matches!(Journal::open(&path, &design, "g"), Err(JournalError::OtherDesign { .. })));
+        assert_eq!(Journal::open(&path, &design, "f").unwrap().1.len(), 1);
+        std::fs::remove_dir_all(path.parent().unwrap()).unwrap();
+    }
+}

@@ -2,6 +2,7 @@
 
 use super::design::Design;
 use super::figures::FIGURES;
+use super::pareto::OBJECTIVES_IN_WORDS;
 use super::plots::{Row, bars, dots};
 use super::statistics::N_RESAMPLES;
 use super::summary::{Difference, Results, Standing, Summary};
@@ -12,7 +13,7 @@ use rumbo_core::engine::Part;
 use std::fmt::Write as _;
 
 /// Rules that only this page needs.
-const CSS: &str = ".wide{overflow-x:auto}.wide td,.wide th{white-space:nowrap}.wide td+td,.wide th+th{text-align:right}\
+const CSS: &str = ".wide{overflow-x:auto}.wide td,.wide th{white-space:nowrap}.wide td+td,.wide th+th{text-align:right;padding-left:.9rem}.wide td:first-child{position:sticky;left:0;background:var(--paper)}\
 .letters td:first-child{font-weight:600;width:2rem}";
 
 /// The whole comparison.
@@ -35,7 +36,7 @@ pub fn html(design: &Design, fingerprint: &str, results: &Results, summary: &Sum
         differences(&mut body, summary);
     }
     failures(&mut body, design, results);
-    method(&mut body, design, fingerprint, summary);
+    method(&mut body, design, fingerprint);
     let title = design.base.file_name().unwrap_or_default().to_string_lossy().into_owned();
     report::document(&format!("Comparison: {title}"), CSS, &body)
 }
@@ -50,8 +51,7 @@ fn alternatives(body: &mut String, summary: &Summary) {
     body.push_str("</tbody></table>\n");
     let _ = writeln!(
         body,
-        "<p class=\"soft\">★: no other alternative is at least as good in all of {} and better in one.</p>",
-        summary.objectives.join(", ")
+        "<p class=\"soft\">★: no other alternative is at least as good in all of {OBJECTIVES_IN_WORDS}, and better in one.</p>"
     );
 }
 
@@ -159,7 +159,7 @@ fn failures(body: &mut String, design: &Design, results: &Results) {
     }
 }
 
-fn method(body: &mut String, design: &Design, fingerprint: &str, summary: &Summary) {
+fn method(body: &mut String, design: &Design, fingerprint: &str) {
     let worlds: Vec<&str> = design.places.iter().map(|place| place.name.as_str()).collect();
     let seeds = (design.seeds.first().copied().unwrap_or(0), design.seeds.last().copied().unwrap_or(0));
     let ranges: Vec<String> =
@@ -178,7 +178,7 @@ fn method(body: &mut String, design: &Design, fingerprint: &str, summary: &Summa
         "95 %: Wilson for success; percentile bootstrap with {N_RESAMPLES} resamples for means. They speak of other \
          seeds in these worlds, not of other worlds. Time, way, detour and turns are of runs that succeeded."
     )));
-    rows.push(("Pareto set", format!("over the means of {}", summary.objectives.join(", "))));
+    rows.push(("Pareto set", OBJECTIVES_IN_WORDS.to_owned()));
     body.push_str("<h2>Design</h2>\n<table><tbody>\n");
     for (name, value) in &rows {
         let _ = writeln!(body, "<tr><td>{name}</td><td>{}</td></tr>", escape(value));

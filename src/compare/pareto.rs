@@ -4,6 +4,9 @@ use super::summary::Standing;
 
 /// More success, less time to the goal, more least clearance, less position error; means over all runs.
 pub const OBJECTIVES: [&str; 4] = ["success", "time_s", "min_clearance_m", "rms_error_m"];
+/// The objectives for people.
+pub const OBJECTIVES_IN_WORDS: &str =
+    "success rate, mean time to goal, mean least clearance, mean RMS position error";
 
 /// Marks the Pareto set. An alternative without successes has no time, and counts as the slowest.
 pub fn mark(alternatives: &mut [Standing]) {

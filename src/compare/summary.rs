@@ -38,6 +38,8 @@ pub struct Standing {
     pub n_with_contact: Option<usize>,
     /// How often the runs ended for which reason.
     pub ends: BTreeMap<String, usize>,
+    /// What the first run said that did not even drive.
+    pub trouble: Option<String>,
     /// Mean of each figure, with its bootstrap interval and the number of runs that have it.
     pub figures: BTreeMap<&'static str, Estimate>,
     /// Mean time used by each part of the steps, seconds of one run; of runs that drove.
@@ -111,6 +113,7 @@ fn standing(name: String, runs: &[(&Run, &RunResult)]) -> Standing {
         success: wilson(n_successes, runs.len()),
         n_with_contact: (!contacts.is_empty()).then(|| contacts.iter().filter(|n| **n > 0).count()),
         ends,
+        trouble: runs.iter().find(|(_, result)| result.outcome.is_none()).and_then(|(_, r)| r.detail.clone()),
         figures: figures.collect(),
         cpu_s: cpu.collect(),
         is_pareto: false,

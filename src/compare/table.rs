@@ -1,6 +1,7 @@
 //! The summary on the terminal: figures downwards, alternatives across.
 
 use super::figures::FIGURES;
+use super::pareto::OBJECTIVES_IN_WORDS;
 use super::statistics::Interval;
 use super::summary::{Difference, Estimate, Standing, Summary};
 use crate::terminal::Terminal;
@@ -10,15 +11,18 @@ use std::fmt::Write as _;
 /// Alternatives side by side that a usual window has room for.
 const N_ACROSS: usize = 4;
 const NAME_WIDTH: usize = 28;
-const WIDTH: usize = 24;
+const WIDTH: usize = 23;
 
 /// Everything that people are shown.
 pub fn table(summary: &Summary, terminal: &Terminal) -> String {
     let mut text = String::new();
     let names: Vec<String> = (0..summary.alternatives.len()).map(letter).collect();
     for (letter, standing) in names.iter().zip(&summary.alternatives) {
-        let mark = if standing.is_pareto { "  (Pareto)" } else { "" };
+        let mark = if standing.is_pareto && names.len() > 1 { "  (Pareto)" } else { "" };
         let _ = writeln!(text, "{}  {}{}", terminal.strong(letter), standing.name, terminal.good(mark));
+        if let Some(trouble) = &standing.trouble {
+            let _ = writeln!(text, "   {} {trouble}", terminal.bad("did not drive:"));
+        }
     }
     for (letters, group) in names.chunks(N_ACROSS).zip(summary.alternatives.chunks(N_ACROSS)) {
         text.push('\n');
@@ -32,7 +36,7 @@ pub fn table(summary: &Summary, terminal: &Terminal) -> String {
         text.push_str("\npaired differences\n");
         differences(&mut text, &heads, group);
     }
-    let _ = writeln!(text, "\nmeans with 95 % intervals; Pareto over {}", summary.objectives.join(", "));
+    let _ = writeln!(text, "\nmeans with 95 % intervals; Pareto over {OBJECTIVES_IN_WORDS}");
     text
 }
 
@@ -79,7 +83,7 @@ fn differences(text: &mut String, heads: &[String], group: &[&Difference]) {
 fn row(text: &mut String, name: &str, cells: impl Iterator<Item = String>) {
     let _ = write!(text, "{name:NAME_WIDTH$}");
     for cell in cells {
-        let _ = write!(text, "{cell:>WIDTH$}");
+        let _ = write!(text, " {cell:>WIDTH$}");
     }
     text.push('\n');
 }
