@@ -14,7 +14,8 @@ use std::fmt::Write as _;
 
 /// Rules that only this page needs.
 const CSS: &str = ".wide{overflow-x:auto}.wide td,.wide th{white-space:nowrap}.wide td+td,.wide th+th{text-align:right;padding-left:.9rem}.wide td:first-child{position:sticky;left:0;background:var(--paper)}\
-.letters td:first-child{font-weight:600;width:2rem}";
+.letters td:first-child{font-weight:600;width:2rem}\
+.failures td:not(:last-child),.failures th{white-space:nowrap;width:1%;padding-right:1.2rem}";
 
 /// The whole comparison.
 pub fn html(design: &Design, fingerprint: &str, results: &Results, summary: &Summary) -> String {
@@ -139,7 +140,7 @@ fn failures(body: &mut String, design: &Design, results: &Results) {
         return;
     }
     body.push_str(
-        "<h2>Runs without success</h2>\n<div class=\"scroll\"><table><thead><tr><th></th><th>world</th><th>seed</th>\
+        "<h2>Runs without success</h2>\n<div class=\"scroll\"><table class=\"failures\"><thead><tr><th></th><th>world</th><th>seed</th>\
          <th>mission</th><th>end</th><th>what it said</th></tr></thead><tbody>\n",
     );
     for (run, result) in failed.iter().take(MOST) {
