@@ -6,7 +6,7 @@ use super::pareto::OBJECTIVES_IN_WORDS;
 use super::plots::{Row, bars, dots};
 use super::statistics::N_RESAMPLES;
 use super::summary::{Difference, Results, Standing, Summary};
-use super::table::{letter, shown, success, titled};
+use super::table::{letter, shown, success, titled, worlds};
 use crate::picture::{escape, svg};
 use crate::report;
 use rumbo_core::engine::Part;
@@ -91,6 +91,10 @@ fn figures(body: &mut String, standings: &[Standing]) {
     body.push_str("</thead><tbody>\n");
     row(body, "td", "runs", standings.iter().map(|s| s.n.to_string()));
     row(body, "td", "success, %", standings.iter().map(|s| success(s.success)));
+    for world in worlds(standings) {
+        let cell = |s: &Standing| success(s.success_by_world.get(world).copied());
+        row(body, "td", &format!("… in {}", escape(world)), standings.iter().map(cell));
+    }
     let touched = |s: &Standing| s.n_with_contact.map_or("–".into(), |n| n.to_string());
     row(body, "td", "runs with contact", standings.iter().map(touched));
     for figure in &FIGURES {

@@ -58,11 +58,11 @@ pub fn bootstrap_mean(sample: &[f64], name: &str) -> Option<Interval> {
     let n = sample.len() as u64;
     let mut rng = stream(0, name);
     let mut means: Vec<f64> = (0..N_RESAMPLES)
-        .filter_map(|_| {
+        .map(|_| {
             // The high part of a product draws without the bias of a remainder.
             let drawn = (0..n).map(|_| ((u128::from(rng.next_u64()) * u128::from(n)) >> 64) as usize);
             let sum: f64 = drawn.filter_map(|idx| sample.get(idx)).sum();
-            Some(sum / n as f64)
+            sum / n as f64
         })
         .collect();
     means.sort_unstable_by(f64::total_cmp);

@@ -34,6 +34,8 @@ pub struct Standing {
     pub n_successes: usize,
     /// Their share, with Wilson's interval.
     pub success: Option<Interval>,
+    /// The same for each world by itself.
+    pub success_by_world: BTreeMap<String, Interval>,
     /// Runs with contact; absent where no run knows.
     pub n_with_contact: Option<usize>,
     /// How often the runs ended for which reason.
@@ -78,7 +80,7 @@ pub fn summarize(design: &Design, results: &Results) -> Summary {
     };
     let groups: Vec<_> = (0..design.alternatives.len()).map(of).collect();
     let mut alternatives: Vec<Standing> =
-        design.alternatives.iter().zip(&groups).map(|(a, runs)| standing(a.name(), runs)).collect();
+        design.alternatives.iter().zip(&groups).map(|(a, runs)| standing(design, a.name(), runs)).collect();
     mark(&mut alternatives);
     let mut differences = Vec::new();
     for (idx, from) in groups.iter().enumerate() {
@@ -90,7 +92,7 @@ pub fn summarize(design: &Design, results: &Results) -> Summary {
     Summary { alternatives, differences, objectives: OBJECTIVES.to_vec() }
 }
 
-fn standing(name: String, runs: &[(&Run, &RunResult)]) -> Standing {
+fn standing(design: &Design, name: String, runs: &[(&Run, &RunResult)]) -> Standing {
     let n_successes = runs.iter().filter(|(_, result)| result.is_success()).count();
     let mut ends = BTreeMap::new();
     for (_, result) in runs {
@@ -106,11 +108,18 @@ fn standing(name: String, runs: &[(&Run, &RunResult)]) -> Standing {
         let sample: Vec<f64> = outcomes().map(|outcome| outcome.cpu_s(*part)).collect();
         Some((part.name(), mean(&sample)?))
     });
+    let share = |place: usize| {
+        let here = || runs.iter().filter(|(run, _)| run.place == place);
+        wilson(here().filter(|(_, result)| result.is_success()).count(), here().count())
+    };
+    let by_world = design.places.iter().enumerate();
+    let by_world = by_world.filter_map(|(idx, place)| Some((place.name.clone(), share(idx)?)));
     Standing {
         name,
         n: runs.len(),
         n_successes,
         success: wilson(n_successes, runs.len()),
+        success_by_world: by_world.collect(),
         n_with_contact: (!contacts.is_empty()).then(|| contacts.iter().filter(|n| **n > 0).count()),
         ends,
         trouble: runs.iter().find(|(_, result)| result.outcome.is_none()).and_then(|(_, r)| r.detail.clone()),

@@ -50,6 +50,10 @@ fn rows(text: &mut String, letters: &[String], group: &[Standing]) {
     row(text, "", letters.iter().cloned());
     row(text, "runs", group.iter().map(|s| s.n.to_string()));
     row(text, "success, %", group.iter().map(|s| success(s.success)));
+    for world in worlds(group) {
+        let cell = |s: &Standing| success(s.success_by_world.get(world).copied());
+        row(text, &format!("  in {world}"), group.iter().map(cell));
+    }
     let touched = |s: &Standing| s.n_with_contact.map_or("-".into(), |n| n.to_string());
     row(text, "runs with contact", group.iter().map(touched));
     for figure in &FIGURES {
@@ -67,6 +71,13 @@ fn rows(text: &mut String, letters: &[String], group: &[Standing]) {
         let cell = |s: &Standing| s.ends.get(end).copied().unwrap_or(0).to_string();
         row(text, &format!("ended: {}", end.replace('_', " ")), group.iter().map(cell));
     }
+}
+
+/// Names of the worlds, where there are several.
+pub fn worlds(standings: &[Standing]) -> impl Iterator<Item = &String> {
+    let first = standings.iter().take(1).flat_map(|standing| standing.success_by_world.keys());
+    let several = standings.iter().any(|standing| standing.success_by_world.len() > 1);
+    first.filter(move |_| several)
 }
 
 fn differences(text: &mut String, heads: &[String], group: &[&Difference]) {
