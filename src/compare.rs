@@ -159,11 +159,8 @@ fn design(args: &Args, registry: &Registry, terminal: &Terminal) -> Result<Desig
     ))
 }
 
-/// Missions keep this distance from everything beyond the hull, meters: room to turn, and to brake.
-const ROOM_M: f64 = 0.3;
-
 fn places(args: &Args, base: &Ready, whole: &serde_json::Value) -> Result<Vec<Place>, String> {
-    let clearance_m = base.pipeline.robot.hull().outer_radius_m() + ROOM_M;
+    let radius_m = base.pipeline.robot.hull().outer_radius_m();
     let n_missions = args.missions.unwrap_or(1);
     if !args.worlds.is_empty() {
         if let Some(file) = fixed_map(whole) {
@@ -172,14 +169,14 @@ fn places(args: &Args, base: &Ready, whole: &serde_json::Value) -> Result<Vec<Pl
                  world's own map"
             ));
         }
-        return worlds::find(&args.worlds, clearance_m, n_missions);
+        return worlds::find(&args.worlds, radius_m, n_missions);
     }
     if args.missions.is_none() {
         return Ok(vec![Place::own()]);
     }
     let map = whole.pointer("/world/map").and_then(|map| map.as_str());
     let map = map.ok_or("--missions draws places on a map, and the pipeline's world has none")?;
-    Ok(vec![Place::own_world(&base.pipeline.folder.join(map), clearance_m, n_missions)?])
+    Ok(vec![Place::own_world(&base.pipeline.folder.join(map), radius_m, n_missions)?])
 }
 
 /// The file that a map builder names.

@@ -11,10 +11,15 @@ use rumbo_kit::{GridSize, NEIGHBORS_8};
 
 /// Cells of worlds without a picture behind them, meters.
 const CELL_M: f64 = 0.05;
+/// The robot stands with this distance between hull and walls at its start and its goal, meters: room to turn and stop.
+const STAND_M: f64 = 0.3;
+/// A passage counts as one when it leaves this distance on both sides of the hull, meters.
+const PASS_M: f64 = 0.1;
 /// Start and goal are at least this share of the free space's diagonal apart.
 const LEAST_SHARE: f64 = 0.25;
 
-/// Middles of the cells of the largest connected free space, meters.
+/// Middles of the cells where a robot may start and end: those with room to stand in the largest part of the free space
+/// that is connected by passages, meters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FreeSpace {
     middles: Vec<[f64; 2]>,
@@ -33,8 +38,8 @@ pub struct Ends {
 }
 
 impl FreeSpace {
-    /// Places of the world that are `clearance_m` from everything, also from what its map does not show.
-    pub fn of(scene: &WorldScene, clearance_m: f64) -> Result<FreeSpace, String> {
+    /// Places for a robot with this radius, free also of what the world's map does not show.
+    pub fn of(scene: &WorldScene, radius_m: f64) -> Result<FreeSpace, String> {
         let mut scene = scene.clone();
         scene.walls.iter_mut().for_each(|wall| wall.mapped = true);
         scene.boxes.iter_mut().for_each(|solid| solid.mapped = true);
@@ -47,17 +52,19 @@ impl FreeSpace {
             None => raster_map(&scene, CELL_M, DEFAULT_MAX_CELLS)
                 .ok_or("the world is too large to draw a mission in it")?,
         };
-        FreeSpace::of_image(&image, clearance_m)
+        FreeSpace::of_image(&image, radius_m)
     }
 
-    fn of_image(image: &MapImage, clearance_m: f64) -> Result<FreeSpace, String> {
+    fn of_image(image: &MapImage, radius_m: f64) -> Result<FreeSpace, String> {
         let size = GridSize::new(image.width, image.height);
         let marked: Vec<u8> =
             image.cells.iter().map(|percent| u8::from(!(0..=50).contains(percent))).collect();
+        let field = squared_distance_field(size, &marked);
         // From middle to middle; a wall begins half a cell before the middle of its own.
-        let keep = (clearance_m / image.resolution_m + 0.5).powi(2);
-        let open: Vec<bool> =
-            squared_distance_field(size, &marked).iter().map(|d| f64::from(*d) >= keep).collect();
+        let squared = |clearance_m: f64| ((radius_m + clearance_m) / image.resolution_m + 0.5).powi(2);
+        let (pass, stand) = (squared(PASS_M), squared(STAND_M));
+        let open: Vec<bool> = field.iter().map(|d| f64::from(*d) >= pass).collect();
+        let may_stand = |cell: &usize| field.get(*cell).is_some_and(|d| f64::from(*d) >= stand);
         let middle = |cell: usize| {
             let (col, row) = size.col_row(cell);
             let along = |count: usize| (count as f64 + 0.5) * image.resolution_m;
@@ -65,9 +72,10 @@ impl FreeSpace {
             let (sin, cos) = yaw_rad.sin_cos();
             [left_m + cos * along(col) - sin * along(row), bottom_m + sin * along(col) + cos * along(row)]
         };
-        let middles: Vec<[f64; 2]> = largest_room(size, &open).into_iter().map(middle).collect();
+        let middles: Vec<[f64; 2]> =
+            largest_room(size, &open).into_iter().filter(may_stand).map(middle).collect();
         if middles.len() < 2 {
-            return Err(format!("has no free space that is {clearance_m} m from everything"));
+            return Err(format!("has no free space for a robot of {radius_m} m radius to start and end in"));
         }
         let span = |axis: usize| {
             let values = || middles.iter().filter_map(|middle| middle.get(axis).copied());
@@ -142,23 +150,35 @@ fn take(unseen: &mut [bool], cell: usize) -> bool {
 mod tests {
     use super::*;
 
-    /// A wall in the middle parts a large room of 6 m from a small one of 3 m.
-    fn two_rooms() -> MapImage {
-        let (width, height) = (100, 40);
-        let cells = (0..width * height).map(|cell| if cell % width == 65 { 100 } else { 0 }).collect();
+    /// Two rooms of 4 m beside each other, with a door of so many cells of 0.1 m between them.
+    fn two_rooms(n_door_cells: usize) -> MapImage {
+        let (width, height) = (81, 40);
+        let is_wall = |col: usize, row: usize| col == 40 && row >= n_door_cells;
+        let cell = |idx: usize| if is_wall(idx % width, idx / width) { 100 } else { 0 };
+        let cells = (0..width * height).map(cell).collect();
         MapImage { width, height, resolution_m: 0.1, origin: [-1.0, 2.0, 0.0], cells }
     }
 
     #[test]
-    fn ends_lie_apart_in_the_larger_room_with_clearance() {
-        let space = FreeSpace::of_image(&two_rooms(), 0.5).unwrap();
+    fn ends_have_room_to_stand_and_are_joined_by_passages() {
+        let narrow = FreeSpace::of_image(&two_rooms(0), 0.2).unwrap();
+        let joined = FreeSpace::of_image(&two_rooms(4), 0.2).unwrap();
+        let sides = |space: &FreeSpace| {
+            let is_left = |middle: &[f64; 2]| middle[0] < 3.05;
+            (space.middles.iter().any(is_left), space.middles.iter().any(|middle| !is_left(middle)))
+        };
+        assert_eq!((sides(&narrow), sides(&joined)), ((true, false), (true, true)));
+        // The wall stands from x = 3.0 m to 3.1 m; the hull of 0.2 m keeps 0.3 m from it.
+        assert!(narrow.middles.iter().all(|middle| middle[0] <= 2.5));
+    }
+
+    #[test]
+    fn a_mission_is_that_of_its_seed_and_number_and_not_too_short() {
+        let space = FreeSpace::of_image(&two_rooms(4), 0.2).unwrap();
         for seed in 0..50 {
             let ends = space.draw(seed, 0);
-            for [x, y] in [ends.start, ends.goal] {
-                assert!(x < -1.0 + 6.5 - 0.5 && y > 2.0, "({x}, {y})");
-            }
-            let way = (ends.goal[0] - ends.start[0]).hypot(ends.goal[1] - ends.start[1]);
-            assert!(way >= space.least_way_m, "{way}");
+            let way_m = (ends.goal[0] - ends.start[0]).hypot(ends.goal[1] - ends.start[1]);
+            assert!(way_m >= space.least_way_m && way_m > 2.0, "{way_m}");
             assert_eq!(ends, space.draw(seed, 0));
             assert_ne!(ends, space.draw(seed, 1));
         }

@@ -48,14 +48,14 @@ impl Place {
     }
 
     /// The pipeline's own world with drawn missions.
-    pub fn own_world(file: &Path, clearance_m: f64, n: u32) -> Result<Place, String> {
-        let mut place = Place::of(file, clearance_m, n)?;
+    pub fn own_world(file: &Path, radius_m: f64, n: u32) -> Result<Place, String> {
+        let mut place = Place::of(file, radius_m, n)?;
         place.name = "its own".to_owned();
         place.file = None;
         Ok(place)
     }
 
-    fn of(file: &Path, clearance_m: f64, n_missions: u32) -> Result<Place, String> {
+    fn of(file: &Path, radius_m: f64, n_missions: u32) -> Result<Place, String> {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let scene = load_world(file).map_err(|error| error.to_string())?;
         let mut print = Fingerprint::default();
@@ -67,7 +67,7 @@ impl Place {
             print.file(&beside)?;
             Missions::Given(read_mission(&beside)?)
         } else {
-            let space = FreeSpace::of(&scene, clearance_m)
+            let space = FreeSpace::of(&scene, radius_m)
                 .map_err(|message| format!("{}: {message}", file.display()))?;
             space.note(&mut print);
             Missions::Drawn(space, n_missions)
@@ -78,7 +78,7 @@ impl Place {
 }
 
 /// The worlds that match, sorted by their path.
-pub fn find(patterns: &[String], clearance_m: f64, n_missions: u32) -> Result<Vec<Place>, String> {
+pub fn find(patterns: &[String], radius_m: f64, n_missions: u32) -> Result<Vec<Place>, String> {
     let mut files = Vec::new();
     for pattern in patterns {
         let found = glob::glob(pattern).map_err(|error| format!("--worlds {pattern}: {error}"))?;
@@ -98,7 +98,7 @@ pub fn find(patterns: &[String], clearance_m: f64, n_missions: u32) -> Result<Ve
     files.sort();
     files.dedup();
     let mut places: Vec<Place> =
-        files.iter().map(|file| Place::of(file, clearance_m, n_missions)).collect::<Result<_, _>>()?;
+        files.iter().map(|file| Place::of(file, radius_m, n_missions)).collect::<Result<_, _>>()?;
     let names: Vec<String> = places.iter().map(|place| place.name.clone()).collect();
     for (place, file) in places.iter_mut().zip(&files) {
         if names.iter().filter(|name| **name == place.name).count() > 1 {
