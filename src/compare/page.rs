@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 /// Rules that only this page needs.
 const CSS: &str = ".wide{overflow-x:auto}.wide td,.wide th{white-space:nowrap}.wide td+td,.wide th+th{text-align:right;padding-left:.9rem}.wide td:first-child{position:sticky;left:0;background:var(--paper)}\
 .letters td:first-child{font-weight:600;width:2rem}\
-.failures td:not(:last-child),.failures th{white-space:nowrap;width:1%;padding-right:1.2rem}";
+.failures td:not(:last-child),.failures th:not(:last-child){white-space:nowrap;width:1%;padding-right:1.2rem}";
 
 /// The whole comparison.
 pub fn html(design: &Design, fingerprint: &str, results: &Results, summary: &Summary) -> String {
@@ -101,6 +101,8 @@ fn figures(body: &mut String, standings: &[Standing]) {
         let cell = |s: &Standing| shown(s.figures.get(figure.key), |v| figure.show(v));
         row(body, "td", &titled(figure.name, figure.unit), standings.iter().map(cell));
     }
+    let common = |s: &Standing| s.common_time_s.map_or("–".into(), |time_s| format!("{time_s:.1}"));
+    row(body, "td", "time where all arrived, s", standings.iter().map(common));
     for part in Part::ALL {
         let cell =
             |s: &Standing| s.cpu_s.get(part.name()).map_or("–".into(), |v| format!("{:.1}", v * 1e3));

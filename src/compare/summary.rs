@@ -7,7 +7,7 @@ use super::result::RunResult;
 use super::statistics::{Interval, bootstrap_mean, mean, wilson};
 use rumbo_core::engine::Part;
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Results by run.
 pub type Results = BTreeMap<Run, RunResult>;
@@ -44,6 +44,9 @@ pub struct Standing {
     pub trouble: Option<String>,
     /// Mean of each figure, with its bootstrap interval and the number of runs that have it.
     pub figures: BTreeMap<&'static str, Estimate>,
+    /// Mean time to the goal in the settings that every alternative with any success completed, seconds: who fails the long
+    /// missions is not quicker for it.
+    pub common_time_s: Option<f64>,
     /// Mean time used by each part of the steps, seconds of one run; of runs that drove.
     pub cpu_s: BTreeMap<&'static str, f64>,
     /// No other alternative is better in one objective without being worse in another.
@@ -81,6 +84,15 @@ pub fn summarize(design: &Design, results: &Results) -> Summary {
     let groups: Vec<_> = (0..design.alternatives.len()).map(of).collect();
     let mut alternatives: Vec<Standing> =
         design.alternatives.iter().zip(&groups).map(|(a, runs)| standing(design, a.name(), runs)).collect();
+    let common = common_settings(&groups);
+    for (standing, runs) in alternatives.iter_mut().zip(&groups) {
+        let times: Vec<f64> = runs
+            .iter()
+            .filter(|(run, result)| result.is_success() && common.contains(&run.setting()))
+            .filter_map(|(_, result)| Some(result.outcome.as_ref()?.time_s))
+            .collect();
+        standing.common_time_s = mean(&times);
+    }
     mark(&mut alternatives);
     let mut differences = Vec::new();
     for (idx, from) in groups.iter().enumerate() {
@@ -90,6 +102,15 @@ pub fn summarize(design: &Design, results: &Results) -> Summary {
         }
     }
     Summary { alternatives, differences, objectives: OBJECTIVES.to_vec() }
+}
+
+/// Settings that every alternative completed, but for those that completed none.
+fn common_settings(groups: &[Vec<(&Run, &RunResult)>]) -> BTreeSet<(usize, u64, u32)> {
+    let completed = |runs: &Vec<(&Run, &RunResult)>| -> BTreeSet<_> {
+        runs.iter().filter(|(_, result)| result.is_success()).map(|(run, _)| run.setting()).collect()
+    };
+    let able = groups.iter().map(completed).filter(|settings| !settings.is_empty());
+    able.reduce(|common, settings| &common & &settings).unwrap_or_default()
 }
 
 fn standing(design: &Design, name: String, runs: &[(&Run, &RunResult)]) -> Standing {
@@ -124,6 +145,7 @@ fn standing(design: &Design, name: String, runs: &[(&Run, &RunResult)]) -> Stand
         ends,
         trouble: runs.iter().find(|(_, result)| result.outcome.is_none()).and_then(|(_, r)| r.detail.clone()),
         figures: figures.collect(),
+        common_time_s: None,
         cpu_s: cpu.collect(),
         is_pareto: false,
     }
@@ -200,6 +222,9 @@ mod tests {
         // By hand: (12 - 10 + 104 - 100) / 2, between the two differences.
         assert_eq!((time.n, time.interval.value, time.interval.low, time.interval.high), (2, 3.0, 2.0, 4.0));
         assert!((change.success.unwrap().interval.value - 1.0 / 3.0).abs() < 1e-12);
+        // Settings 1 and 2 are those that both completed.
+        let common: Vec<_> = summary.alternatives.iter().map(|standing| standing.common_time_s).collect();
+        assert_eq!(common, [Some(55.0), Some(58.0)]);
         let first = &summary.alternatives[0];
         assert_eq!((first.n, first.n_successes, first.ends["stuck"]), (4, 3, 1));
         assert!((first.figures["time_s"].interval.value - 160.0 / 3.0).abs() < 1e-9);

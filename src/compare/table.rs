@@ -60,6 +60,8 @@ fn rows(text: &mut String, letters: &[String], group: &[Standing]) {
         let cell = |standing: &Standing| shown(standing.figures.get(figure.key), |v| figure.show(v));
         row(text, &titled(figure.name, figure.unit), group.iter().map(cell));
     }
+    let common = |s: &Standing| s.common_time_s.map_or("-".into(), |time_s| format!("{time_s:.1}"));
+    row(text, "time where all arrived, s", group.iter().map(common));
     for part in Part::ALL {
         let cell = |s: &Standing| s.cpu_s.get(part.name()).map_or("-".into(), |v| format!("{:.1}", v * 1e3));
         row(text, &format!("CPU {}, ms", part.name().replace('_', " ")), group.iter().map(cell));
