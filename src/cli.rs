@@ -2,7 +2,7 @@
 
 use crate::exit::Failure;
 use crate::terminal::Terminal;
-use crate::{check, completions, config, eval, map, plot, plugins, replay, run, schema, test};
+use crate::{check, compare, completions, config, eval, map, plot, plugins, replay, run, schema, test};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -44,6 +44,7 @@ enum Verb {
     Plugins(plugins::Args),
     Test(test::Args),
     Replay(replay::Args),
+    Compare(compare::Args),
     Map(map::Args),
     Eval(eval::Args),
     Plot(plot::Args),
@@ -66,6 +67,7 @@ pub fn main() -> ExitCode {
         Verb::Plugins(args) => plugins::run(args, &terminal),
         Verb::Test(args) => test::run(args, &terminal),
         Verb::Replay(args) => replay::run(args, &terminal),
+        Verb::Compare(args) => compare::run(args, &terminal),
         Verb::Map(args) => map::run(args, &terminal),
         Verb::Eval(args) => eval::run(args, &terminal),
         Verb::Plot(args) => plot::run(args, &terminal),

@@ -64,3 +64,13 @@ pub fn drive_engine(
     record.outcome = Some(outcome);
     Driven { record, map, end }
 }
+
+/// Drives the pipeline to its end and keeps nothing but the figures.
+pub fn drive_for_figures(pipeline: &Pipeline, interrupt: &AtomicBool) -> Result<Outcome, EngineError> {
+    let mut engine = Engine::build(pipeline)?;
+    let mut metrics = Metrics::new();
+    let clock = Instant::now();
+    let end = engine.run(&mut [&mut metrics], interrupt);
+    let wall = clock.elapsed();
+    Ok(Outcome::new(pipeline, &metrics, &end, engine.view().map, wall))
+}

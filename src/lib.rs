@@ -12,6 +12,7 @@ use rumbo_worlds as _;
 
 pub mod check;
 pub mod cli;
+pub mod compare;
 pub mod completions;
 pub mod config;
 pub mod diagnostics;
@@ -24,6 +25,7 @@ pub mod outcome;
 pub mod picture;
 pub mod plot;
 pub mod plugins;
+pub mod queue;
 pub mod record;
 pub mod recording;
 pub mod replay;

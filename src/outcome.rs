@@ -34,6 +34,12 @@ pub struct Outcome {
     pub rms_error_m: Option<f64>,
     /// 95 % of the steps are below this, estimate to truth, meters.
     pub p95_error_m: Option<f64>,
+    /// Root mean square of the heading's error, degrees.
+    #[serde(default)]
+    pub rms_heading_error_deg: Option<f64>,
+    /// Turns to either side added up, over the way driven, degrees a meter.
+    #[serde(default)]
+    pub turn_deg_m: Option<f64>,
     /// Hull to obstacle at the least, meters.
     pub min_clearance_m: Option<f64>,
     /// How often contact began.
@@ -81,6 +87,8 @@ impl Outcome {
             final_heading_error_deg: summary.final_heading_error_deg,
             rms_error_m: summary.rms_error_m,
             p95_error_m: summary.p95_error_m,
+            rms_heading_error_deg: summary.rms_heading_error_deg,
+            turn_deg_m: summary.turn_deg_m,
             min_clearance_m: summary.min_clearance_m,
             contacts: summary.contacts,
             replans: summary.replans,

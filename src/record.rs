@@ -193,6 +193,8 @@ pub fn test_record() -> RunRecord {
             final_heading_error_deg: Some(0.1),
             rms_error_m: Some(0.022),
             p95_error_m: Some(0.023),
+            rms_heading_error_deg: Some(0.4),
+            turn_deg_m: Some(12.0),
             min_clearance_m: Some(0.1),
             contacts: Some(0),
             replans: 1,

@@ -4,5 +4,5 @@ mod charts;
 mod page;
 mod tables;
 
-pub use page::html;
+pub use page::{document, html};
 pub use tables::{Figure, figures};

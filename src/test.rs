@@ -2,10 +2,10 @@
 
 mod expect;
 mod find;
-mod queue;
 
 use crate::exit::{Exit, Failure};
 use crate::outcome::Outcome;
+use crate::queue::in_order;
 use crate::report;
 use crate::terminal::{Terminal, write_file};
 use find::Case;
@@ -58,7 +58,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     }
     let mut verdicts = Vec::new();
     let mut trouble = None;
-    queue::in_order(
+    in_order(
         &found.cases,
         args.threads.into(),
         |case| judge(case, args.reports.as_deref()),

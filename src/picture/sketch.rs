@@ -41,6 +41,12 @@ pub enum Role {
     SecondCurve,
     /// A limit in a chart.
     Limit,
+    /// One of many values in a chart.
+    Dot,
+    /// The middle half of many values, or a bar.
+    Box,
+    /// A mean and its interval.
+    Mean,
 }
 
 /// Colors as 0xRRGGBB with opacity; `None` where a shape has no outline or no filling.
@@ -60,7 +66,7 @@ pub struct Style {
 
 impl Role {
     /// All of them.
-    pub const ALL: [Role; 18] = [
+    pub const ALL: [Role; 21] = [
         Role::Paper,
         Role::Frame,
         Role::Rule,
@@ -79,6 +85,9 @@ impl Role {
         Role::Curve,
         Role::SecondCurve,
         Role::Limit,
+        Role::Dot,
+        Role::Box,
+        Role::Mean,
     ];
 
     /// Its looks. The hues are those of Okabe and Ito (2008), which color-blind people can tell apart.
@@ -115,6 +124,9 @@ impl Role {
             Role::Seen => Style { width: 1.0, stroke: Some(GREEN), ..filled("seen", GREEN, 0.14) },
             Role::Curve => line("curve", BLUE, 1.6),
             Role::SecondCurve => line("second-curve", ORANGE, 1.3),
+            Role::Dot => filled("dot", GREEN, 0.55),
+            Role::Box => Style { width: 1.0, stroke: Some(BLUE), ..filled("box", BLUE, 0.18) },
+            Role::Mean => Style { width: 2.0, stroke: Some(ORANGE), ..filled("mean", ORANGE, 1.0) },
             Role::Limit => Style { dash: Some((5.0, 4.0)), ..line("limit", (0xc1121f, 0xff6b6b), 1.2) },
         }
     }

@@ -10,16 +10,7 @@ use std::fmt::Write as _;
 /// The whole run as one HTML file. It names nothing outside itself.
 pub fn html(record: &RunRecord) -> String {
     let (map, signs) = MapView::new(record, 1040.0, 900.0).draw();
-    let name = escape(&record.name);
-    let mut page = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{name}</title>\n\
-         <style>\n{}{SVG_STYLE}\n{}@media (prefers-color-scheme:dark){{\n{}}}\n</style>\n</head>\n<body>\n<main>\n\
-         <h1>{name}</h1>\n",
-        include_str!("page.css"),
-        role_rules(false),
-        role_rules(true),
-    );
+    let mut page = String::new();
     let _ = writeln!(page, "<p class=\"soft\">{}</p>", escape(&record.file));
     if let Some(outcome) = &record.outcome {
         verdict(&mut page, outcome);
@@ -38,9 +29,21 @@ pub fn html(record: &RunRecord) -> String {
         page,
         "<h2>Pipeline</h2>\n<details><summary>with all defaults</summary><pre>{config}</pre></details>\n"
     );
-    let version = env!("CARGO_PKG_VERSION");
-    let _ = write!(page, "<footer>Written by rumbo {version}.</footer>\n</main>\n</body>\n</html>\n");
-    page
+    document(&record.name, "", &page)
+}
+
+/// A page in the look of all reports: title, rules of its own, and what stands below the title.
+pub fn document(title: &str, css: &str, body: &str) -> String {
+    let (title, version) = (escape(title), env!("CARGO_PKG_VERSION"));
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n\
+         <style>\n{}{css}{SVG_STYLE}\n{}@media (prefers-color-scheme:dark){{\n{}}}\n</style>\n</head>\n<body>\n<main>\n\
+         <h1>{title}</h1>\n{body}<footer>Written by rumbo {version}.</footer>\n</main>\n</body>\n</html>\n",
+        include_str!("page.css"),
+        role_rules(false),
+        role_rules(true),
+    )
 }
 
 fn verdict(page: &mut String, outcome: &Outcome) {

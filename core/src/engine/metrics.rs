@@ -5,7 +5,7 @@ use super::observer::{Observer, StepView};
 use super::order::State;
 use super::run::EndReason;
 use super::timing::{Part, StageTimes};
-use crate::frames::{Point2, flatten, wrap_angle};
+use crate::frames::{Point2, Pose2, flatten, wrap_angle};
 use crate::messages::{Data, Observation, SensorId, Status};
 use serde::Serialize;
 
@@ -32,6 +32,10 @@ pub struct Summary {
     pub rms_error_m: Option<f64>,
     /// 95 % of the steps are below this, estimate to truth, meters.
     pub p95_error_m: Option<f64>,
+    /// Root mean square of the estimate's heading to the truth, degrees.
+    pub rms_heading_error_deg: Option<f64>,
+    /// Turns to either side added up, over the way driven, degrees a meter; absent where the robot stood still.
+    pub turn_deg_m: Option<f64>,
     /// Hull to obstacle at the least, meters.
     pub min_clearance_m: Option<f64>,
     /// How often contact began.
@@ -54,10 +58,12 @@ pub struct Metrics {
     time_s: f64,
     steps: u64,
     path_m: f64,
-    last_truth: Option<Point2>,
-    last_reading: Option<(SensorId, Point2)>,
+    turned_rad: f64,
+    last_truth: Option<Pose2>,
+    last_reading: Option<(SensorId, Pose2)>,
     n_tracked: u64,
     errors_m: Vec<f32>,
+    squared_heading_errors_rad2: f64,
     final_heading_error_deg: Option<f64>,
     goal: Option<Point2>,
     goal_error_m: Option<f64>,
@@ -72,6 +78,9 @@ pub struct Metrics {
 impl Metrics {
     /// Room for errors of this many steps is taken up front, so that a warm step allocates nothing.
     const ROOM: usize = 1 << 16;
+
+    /// A robot that drove less has no figure per meter.
+    const LEAST_WAY_M: f64 = 0.01;
 
     /// Nothing seen yet.
     pub fn new() -> Metrics {
@@ -106,6 +115,8 @@ impl Metrics {
             final_heading_error_deg: self.final_heading_error_deg,
             rms_error_m: (!sorted.is_empty()).then(|| mean_square.sqrt()),
             p95_error_m: sorted.get(rank.saturating_sub(1)).map(|e| f64::from(*e)),
+            rms_heading_error_deg: self.rms_heading_error_deg(),
+            turn_deg_m: (self.path_m > Self::LEAST_WAY_M).then(|| self.turned_rad.to_degrees() / self.path_m),
             min_clearance_m: self.min_clearance_m,
             contacts: self.contacts,
             replans: self.replans,
@@ -116,31 +127,41 @@ impl Metrics {
         }
     }
 
+    fn rms_heading_error_deg(&self) -> Option<f64> {
+        let n_errors = self.errors_m.len();
+        (n_errors > 0).then(|| (self.squared_heading_errors_rad2 / n_errors as f64).sqrt().to_degrees())
+    }
+
     /// The way of this step: that of the truth where it is known before and after, else that of the odometer.
     fn follow(&mut self, view: &StepView<'_>) {
-        let truth = view.truth.map(|truth| flatten(&truth.map_from_base).translation.vector.into());
-        let true_way_m = truth.zip(self.last_truth).map(|(now, last): (Point2, Point2)| (now - last).norm());
-        let rolled_m = self.rolled_m(view.observations);
-        self.path_m += true_way_m.unwrap_or(rolled_m);
+        let truth = view.truth.map(|truth| flatten(&truth.map_from_base));
+        let true_way = truth.zip(self.last_truth).map(|(now, last)| way(&last, &now));
+        let rolled = self.rolled(view.observations);
+        let (way_m, turn_rad) = true_way.unwrap_or(rolled);
+        self.path_m += way_m;
+        self.turned_rad += turn_rad;
         self.last_truth = truth;
         self.n_tracked += u64::from(view.estimate.status == Status::Tracking);
         self.goal = view.goal.map(|goal| goal.position).or(self.goal);
     }
 
     /// The way between the odometer's readings of this step; readings of the odometer seat go before those of wheels.
-    fn rolled_m(&mut self, observations: &[Observation]) -> f64 {
-        let mut rolled_m = 0.0;
+    fn rolled(&mut self, observations: &[Observation]) -> (f64, f64) {
+        let mut rolled = (0.0, 0.0);
         for observation in observations {
             let Data::Odometry(odometry) = &observation.data else { continue };
-            let place: Point2 = odometry.odom_from_base.translation.vector.into();
+            let pose = odometry.odom_from_base;
             match self.last_reading {
-                Some((sensor, last)) if sensor == observation.sensor => rolled_m += (place - last).norm(),
+                Some((sensor, last)) if sensor == observation.sensor => {
+                    let (way_m, turn_rad) = way(&last, &pose);
+                    rolled = (rolled.0 + way_m, rolled.1 + turn_rad);
+                }
                 Some(_) if observation.sensor != SensorId::ODOMETER => continue,
                 _ => {}
             }
-            self.last_reading = Some((observation.sensor, place));
+            self.last_reading = Some((observation.sensor, pose));
         }
-        rolled_m
+        rolled
     }
 
     fn judge(&mut self, view: &StepView<'_>) {
@@ -148,9 +169,10 @@ impl Metrics {
         let true_pose = flatten(&truth.map_from_base);
         if !matches!(view.state, State::NoMap | State::Lost | State::Localizing) {
             let error_m = (view.map_from_base.translation.vector - true_pose.translation.vector).norm();
-            let turn = view.map_from_base.rotation.angle() - true_pose.rotation.angle();
+            let turn = wrap_angle(view.map_from_base.rotation.angle() - true_pose.rotation.angle());
             self.errors_m.push(error_m as f32);
-            self.final_heading_error_deg = Some(wrap_angle(turn).abs().to_degrees());
+            self.squared_heading_errors_rad2 += turn.powi(2);
+            self.final_heading_error_deg = Some(turn.abs().to_degrees());
         }
         if truth.clearance_m.is_finite() {
             let least = self.min_clearance_m.map_or(truth.clearance_m, |m| m.min(truth.clearance_m));
@@ -159,6 +181,12 @@ impl Metrics {
         self.contacts = truth.contact_episodes;
         self.goal_error_m = self.goal.map(|goal| (goal - Point2::from(true_pose.translation.vector)).norm());
     }
+}
+
+/// Meters and radians between two poses.
+fn way(from: &Pose2, to: &Pose2) -> (f64, f64) {
+    let turn_rad = wrap_angle(to.rotation.angle() - from.rotation.angle()).abs();
+    ((to.translation.vector - from.translation.vector).norm(), turn_rad)
 }
 
 impl Observer for Metrics {

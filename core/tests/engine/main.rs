@@ -7,7 +7,7 @@ mod seats;
 
 use rumbo_core::engine::{EndReason, Engine, Event, EventKind, Metrics, Observer, RunEnd, StepView, Summary};
 use rumbo_core::frames::Pose3;
-use rumbo_core::pipeline::{Mission, Pipeline, Rate, SensorSpec, StageSpec, Waypoint};
+use rumbo_core::pipeline::{InitialPose, Mission, Pipeline, Rate, SensorSpec, StageSpec, Waypoint};
 use rumbo_core::registry::{Registry, Stage};
 use rumbo_core::robot::Robot;
 use rumbo_core::time::Span;
@@ -83,7 +83,19 @@ fn a_robot_drives_to_its_goal_and_its_figures_are_right() {
     assert!(summary.goal_error_m.unwrap() <= 0.1);
     assert!((summary.path_m - 10f64.sqrt()).abs() < 0.15, "{}", summary.path_m);
     assert!(summary.final_error_m.unwrap() < 1e-6 && summary.rms_error_m.unwrap() < 1e-6);
+    assert!(summary.rms_heading_error_deg.unwrap() < 1e-6);
+    assert!((summary.turn_deg_m.unwrap() * summary.path_m - 18.4).abs() < 1.5, "{:?}", summary.turn_deg_m);
     assert_eq!((summary.replans, summary.guard_interventions, summary.contacts), (0, 0, Some(0)));
+}
+
+#[test]
+fn a_robot_that_was_told_a_turned_start_keeps_that_error_of_its_heading() {
+    let mut turned = pipeline("turned");
+    turned.mission.initial_pose = InitialPose::Pose { x_m: 0.0, y_m: 0.0, yaw_deg: -0.5 };
+    let (_, summary, _) = run(&turned);
+    let (rms_deg, last_deg) =
+        (summary.rms_heading_error_deg.unwrap(), summary.final_heading_error_deg.unwrap());
+    assert!((rms_deg - 0.5).abs() < 1e-6 && (last_deg - 0.5).abs() < 1e-6, "{rms_deg} {last_deg}");
 }
 
 #[test]

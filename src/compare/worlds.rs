@@ -1,0 +1,174 @@
+//! `--worlds 'GLOB'`: the places and the missions in them.
+
+use super::fingerprint::Fingerprint;
+use super::free_space::FreeSpace;
+use rumbo_core::pipeline::Mission;
+use rumbo_kit::world_file::load_world;
+use serde::Deserialize;
+use std::path::{Path, PathBuf};
+
+/// A place with its missions.
+#[derive(Debug, Clone)]
+pub struct Place {
+    /// As tables call it.
+    pub name: String,
+    /// The world or map file; none for the pipeline's own.
+    pub file: Option<PathBuf>,
+    /// What to do there.
+    pub missions: Missions,
+    /// Of everything that is read from files.
+    pub fingerprint: u64,
+}
+
+/// Where missions come from.
+#[derive(Debug, Clone)]
+pub enum Missions {
+    /// The pipeline's own.
+    Own,
+    /// The one in a file, as arguments of `--set`.
+    Given(Vec<String>),
+    /// So many for each seed.
+    Drawn(FreeSpace, u32),
+}
+
+impl Missions {
+    /// How many for each seed.
+    pub fn n_missions(&self) -> u32 {
+        match self {
+            Missions::Own | Missions::Given(_) => 1,
+            Missions::Drawn(_, n) => *n,
+        }
+    }
+}
+
+impl Place {
+    /// The pipeline's own world and mission.
+    pub fn own() -> Place {
+        Place { name: "its own".to_owned(), file: None, missions: Missions::Own, fingerprint: 0 }
+    }
+
+    /// The pipeline's own world with drawn missions.
+    pub fn own_world(file: &Path, radius_m: f64, n: u32) -> Result<Place, String> {
+        let mut place = Place::of(file, radius_m, n)?;
+        place.name = "its own".to_owned();
+        place.file = None;
+        Ok(place)
+    }
+
+    fn of(file: &Path, radius_m: f64, n_missions: u32) -> Result<Place, String> {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let scene = load_world(file).map_err(|error| error.to_string())?;
+        let mut print = Fingerprint::default();
+        for path in std::iter::once(file).chain(scene.map.as_deref()) {
+            print.file(path)?;
+        }
+        let beside = file.with_file_name(format!("{name}.mission.toml"));
+        let missions = if beside.is_file() {
+            print.file(&beside)?;
+            Missions::Given(read_mission(&beside)?)
+        } else {
+            let space = FreeSpace::of(&scene, radius_m)
+                .map_err(|message| format!("{}: {message}", file.display()))?;
+            space.note(&mut print);
+            Missions::Drawn(space, n_missions)
+        };
+        let file = std::path::absolute(file).map_err(|error| format!("{}: {error}", file.display()))?;
+        Ok(Place { name, file: Some(file), missions, fingerprint: print.value() })
+    }
+}
+
+/// The worlds that match, sorted by their path.
+pub fn find(patterns: &[String], radius_m: f64, n_missions: u32) -> Result<Vec<Place>, String> {
+    let mut files = Vec::new();
+    for pattern in patterns {
+        let found = glob::glob(pattern).map_err(|error| format!("--worlds {pattern}: {error}"))?;
+        let n_before = files.len();
+        for path in found {
+            let path = path.map_err(|error| format!("--worlds {pattern}: {error}"))?;
+            if is_world(&path) {
+                files.push(path);
+            }
+        }
+        if files.len() == n_before {
+            return Err(format!(
+                "--worlds {pattern}: no world matches, expected .toml or .yaml files; put the pattern in quotes"
+            ));
+        }
+    }
+    files.sort();
+    files.dedup();
+    let mut places: Vec<Place> =
+        files.iter().map(|file| Place::of(file, radius_m, n_missions)).collect::<Result<_, _>>()?;
+    let names: Vec<String> = places.iter().map(|place| place.name.clone()).collect();
+    for (place, file) in places.iter_mut().zip(&files) {
+        if names.iter().filter(|name| **name == place.name).count() > 1 {
+            place.name = file.display().to_string().replace('\\', "/");
+        }
+    }
+    Ok(places)
+}
+
+fn is_world(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let is_named = [".toml", ".yaml", ".yml"].iter().any(|ending| name.ends_with(ending));
+    is_named && !name.ends_with(".mission.toml") && path.is_file()
+}
+
+/// A mission beside a world: the keys of `[mission]`, and `[world] start`, as in a pipeline.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MissionFile {
+    world: MissionStart,
+    mission: toml::Table,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MissionStart {
+    start: toml::Table,
+}
+
+/// Reads it, as arguments of `--set`.
+fn read_mission(path: &Path) -> Result<Vec<String>, String> {
+    let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let trouble = |error: toml::de::Error| format!("{}: {error}", path.display());
+    let file: MissionFile = toml::from_str(&text).map_err(trouble)?;
+    let mission: Mission = file.mission.clone().try_into().map_err(trouble)?;
+    if mission.waypoints.is_empty() {
+        return Err(format!("{}: mission.waypoints is empty, expected at least one", path.display()));
+    }
+    let start = format!("world.start={}", toml::Value::Table(file.world.start));
+    let keys = file.mission.iter().map(|(key, value)| format!("mission.{key}={value}"));
+    Ok(std::iter::once(start).chain(keys).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mission_file_has_the_keys_of_a_pipeline_and_no_others() {
+        let folder = std::env::temp_dir().join(format!("rumbo-mission-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("a.mission.toml");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            read_mission(&path)
+        };
+        let good =
+            "[world]\nstart = { x_m = 1.0, y_m = 2.0 }\n[mission]\nwaypoints = [{ x_m = 3.0, y_m = 4.0 }]\n";
+        let sets = read(good).unwrap();
+        assert_eq!(sets[0], "world.start={ x_m = 1.0, y_m = 2.0 }");
+        assert_eq!(sets[1], "mission.waypoints=[{ x_m = 3.0, y_m = 4.0 }]");
+        for (text, words) in [
+            (good.replace("waypoints", "waypoint"), "unknown field `waypoint`"),
+            (good.replace("start", "begin"), "unknown field `begin`"),
+            (good.replace("{ x_m = 3.0, y_m = 4.0 }", ""), "is empty"),
+            ("[mission]\n".to_owned(), "missing field `world`"),
+        ] {
+            let message = read(&text).unwrap_err();
+            assert!(message.contains(words), "{message}");
+        }
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
