@@ -255,20 +255,13 @@ impl MonteCarlo {
         let beams: Vec<ScanBeams> = scans.iter().map(|scan| self.beams_of(scan, &odom_from_base)).collect();
         let Some(terrain) = &mut self.terrain else { return Ok(()) };
         let weighed = self.filter.weigh(&beams, terrain);
-        match weighed {
-            Weighed::Nothing => self.counters.without_beams += 1,
-            Weighed::Degenerate => self.counters.degenerate += 1,
-            Weighed::Done => {}
-        }
-        self.counters.updates += 1;
+        self.counters.count(weighed);
         self.is_first &= weighed == Weighed::Nothing;
         self.set_anchor(odom_from_base, Some(stamp), beams);
         let Some(terrain) = &self.terrain else { return Ok(()) };
-        let contradicted = self
-            .anchor
-            .as_ref()
-            .and_then(|anchor| terrain.contradicted(&anchor.scans, &anchor.map_from_base));
-        self.filter.set_fit(self.settings.fit(self.explained(), contradicted, self.sureness.status()));
+        let status = self.sureness.status();
+        let fit = self.anchor.as_ref().map(|anchor| self.settings.fit(anchor, terrain, status));
+        self.filter.set_fit(fit.unwrap_or_default());
         if weighed != Weighed::Nothing && self.filter.needs_resampling() {
             self.filter.resample(terrain, grid);
         }

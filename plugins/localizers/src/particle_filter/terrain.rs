@@ -130,3 +130,40 @@ impl Terrain {
         (all > 0).then(|| near as f64 / all as f64)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particle_filter::measurement::FieldModel;
+    use rumbo_core::frames::pose2;
+
+    /// A room of 4 m by 4 m with walls of one cell, from (0, 0).
+    fn room() -> Terrain {
+        let mut grid = Grid::unknown(40, 40, 0.1).unwrap();
+        for (index, cell) in grid.cells.make_mut().iter_mut().enumerate() {
+            let (col, row) = (index % 40, index / 40);
+            let is_wall = [col, row].iter().any(|place| *place == 0 || *place == 39);
+            *cell = if is_wall { Grid::CERTAIN } else { -Grid::CERTAIN };
+        }
+        let penalties = Penalties { occupied: 50.0, unknown: 5.0 };
+        Terrain::new(1, &grid, &FieldModel::default(), 0.2, penalties)
+    }
+
+    fn beams(ranges_m: [f64; 4]) -> [ScanBeams; 1] {
+        let directions = vec![[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+        [ScanBeams { origin: [0.0, 0.0], directions, ranges_m: ranges_m.to_vec(), max_range_m: 8.0 }]
+    }
+
+    #[test]
+    fn only_beams_that_pass_through_walls_contradict_a_place() {
+        let (terrain, middle) = (room(), pose2(2.0, 2.0, 0.0));
+        let contradicted = |ranges_m| terrain.contradicted(&beams(ranges_m), &middle);
+        assert_eq!(contradicted([1.9; 4]), Some(0.0));
+        assert_eq!(contradicted([0.4, 0.8, 1.2, 1.9]), Some(0.0), "somebody stands before the walls");
+        assert_eq!(contradicted([2.2; 4]), Some(0.0), "the place is known to some centimeters");
+        assert_eq!(contradicted([3.5, 1.9, 1.9, 1.9]), Some(0.25));
+        assert_eq!(contradicted([f64::INFINITY; 4]), None);
+        let elsewhere = terrain.contradicted(&beams([1.9; 4]), &pose2(3.0, 1.0, 0.0));
+        assert_eq!(elsewhere, Some(0.5));
+    }
+}

@@ -1,8 +1,9 @@
 //! What the localizer around the filter is told, and what it counts.
 
-use super::filter::Fit;
+use super::anchor::Anchor;
+use super::filter::{Fit, Weighed};
 use super::sureness::SurenessRules;
-use super::terrain::Penalties;
+use super::terrain::{Penalties, Terrain};
 use rumbo_core::messages::Status;
 
 /// Numbers of the localizer around the filter.
@@ -35,10 +36,11 @@ pub struct TrackerSettings {
 }
 
 impl TrackerSettings {
-    /// What the shares of beams that the best place explains, and that pass through walls there, say of it.
-    pub fn fit(&self, explained: Option<f64>, contradicted: Option<f64>, status: Status) -> Fit {
+    /// How well the place where the robot is taken to be fits what was seen there.
+    pub fn fit(&self, anchor: &Anchor, terrain: &Terrain, status: Status) -> Fit {
+        let contradicted = terrain.contradicted(&anchor.scans, &anchor.map_from_base);
         let is_likely = contradicted.is_some_and(|share| share <= self.doubt_above);
-        match explained {
+        match anchor.explained {
             Some(_) if status == Status::Tracking && is_likely => Fit::Good,
             Some(share) if share < self.search_below => Fit::Bad,
             _ => Fit::Unknown,
@@ -59,4 +61,16 @@ pub struct Counters {
     pub without_beams: u64,
     /// Updates that left no particle with any weight.
     pub degenerate: u64,
+}
+
+impl Counters {
+    /// Counts an update.
+    pub fn count(&mut self, weighed: Weighed) {
+        self.updates += 1;
+        match weighed {
+            Weighed::Nothing => self.without_beams += 1,
+            Weighed::Degenerate => self.degenerate += 1,
+            Weighed::Done => {}
+        }
+    }
 }
