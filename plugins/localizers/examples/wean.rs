@@ -20,7 +20,8 @@ use std::path::Path;
 
 /// The building is large, and neighboring offices look alike: many guesses, and trust in each beam so small that the
 /// furniture, which the map does not show, does not decide between offices.
-const PARAMS: &str = "max_particles = 100000\nlikelihood_exponent = 0.05\nleast_effective_share = 0.1";
+const PARAMS: &str =
+    "max_particles = 100000\nlikelihood_exponent = 0.05\nleast_effective_share = 0.1\nslip_share = 0.02";
 
 fn main() -> Result<(), String> {
     let mut arguments = std::env::args().skip(1);
