@@ -65,7 +65,8 @@ fn a_replay_says_the_same_bytes() {
 
 #[test]
 fn one_flipped_bit_of_a_range_is_traced_to_the_first_stage_that_it_moves() {
-    let file = recorded(&scratch("replay_range"), "a.mcap", &[OFFICE]);
+    // The filter looks at a few beams only; the avoider at all of them.
+    let file = recorded(&scratch("replay_range"), "a.mcap", &[OFFICE, "--set", "localizer.plugin=odometry"]);
     let changed = patch(&file, |observation| {
         let after = observation.stamp.as_secs() > 20.0;
         let Data::LaserScan(scan) = &mut observation.data else { return false };

@@ -99,7 +99,7 @@ impl Default for ParticleFilterParams {
             max_beams: 60,
             likelihood_exponent: 0.3,
             least_effective_share: 0.01,
-            slip_share: 0.02,
+            slip_share: 0.05,
             resample_threshold: 0.5,
             resample_interval: 1,
             alpha_slow: 0.05,
