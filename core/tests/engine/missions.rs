@@ -210,6 +210,22 @@ fn a_wish_in_a_world_that_cannot_drive_is_an_error() {
 }
 
 #[test]
+fn stages_with_a_rate_do_not_hold_the_clock_while_it_is_not_their_turn() {
+    let rated = with("rated", |p| {
+        let rate = Some(rumbo_core::pipeline::Rate::Hz(7.0));
+        p.localizer = Some(stage(Stage::Localizer, "loses", "reckoning", rate, "lost_at_s = 2.0"));
+        p.relocalizer = Some(stage(Stage::Localizer, "relocalizer", "turner", rate, ""));
+        p.map_builders.iter_mut().for_each(|builder| builder.rate = rate);
+        assert!(!p.map_builders.is_empty());
+    });
+    let mut engine = Engine::build(&rated).unwrap();
+    for _ in 0..20_000 {
+        engine.step();
+    }
+    assert!(engine.view().now.as_secs() > 100.0, "{}", engine.view().now);
+}
+
+#[test]
 fn orders_go_through_one_door_and_wrong_ones_change_nothing() {
     let mut engine = Engine::build(&with("orders", |p| p.mission.waypoints.clear())).unwrap();
     let goal = |x: f64| Goal { position: nalgebra::Point2::new(x, 0.0), yaw_rad: None };
