@@ -212,7 +212,7 @@ fn a_wish_in_a_world_that_cannot_drive_is_an_error() {
 #[test]
 fn stages_with_a_rate_do_not_hold_the_clock_while_it_is_not_their_turn() {
     let rated = with("rated", |p| {
-        let rate = Some(rumbo_core::pipeline::Rate::Hz(7.0));
+        let rate = Some(Rate::Hz(7.0));
         p.localizer = Some(stage(Stage::Localizer, "loses", "reckoning", rate, "lost_at_s = 2.0"));
         p.relocalizer = Some(stage(Stage::Localizer, "relocalizer", "turner", rate, ""));
         p.map_builders.iter_mut().for_each(|builder| builder.rate = rate);
