@@ -66,6 +66,13 @@ pub fn wrap_angle(angle_rad: f64) -> f64 {
     if wrapped >= PI { -PI } else { wrapped }
 }
 
+/// A pose between two others: on the straight line, turning the short way round; `share` is 0 at the first.
+pub fn interpolate2(from: &Pose2, to: &Pose2, share: f64) -> Pose2 {
+    let turn_rad = wrap_angle(to.rotation.angle() - from.rotation.angle()) * share;
+    let place = from.translation.vector.lerp(&to.translation.vector, share);
+    Pose2::new(place, from.rotation.angle() + turn_rad)
+}
+
 /// Every number of the pose is finite.
 pub fn is_finite2(pose: &Pose2) -> bool {
     pose.translation.vector.iter().chain([&pose.rotation.re, &pose.rotation.im]).all(|v| v.is_finite())

@@ -1,6 +1,6 @@
 //! Where the base was in the odometer's frame, over the last moments: what brings a late scan to its own pose.
 
-use crate::frames::{Pose2, Twist, wrap_angle};
+use crate::frames::{Pose2, Twist, interpolate2};
 use crate::messages::Odometry;
 use crate::time::Time;
 use std::collections::VecDeque;
@@ -70,9 +70,7 @@ impl OdometryTrack {
         match (before, self.history.get(after)) {
             (Some((t0, a)), Some((t1, b))) => {
                 let part = (time - *t0).as_secs() / (*t1 - *t0).as_secs();
-                let turn = wrap_angle(b.rotation.angle() - a.rotation.angle()) * part;
-                let place = a.translation.vector.lerp(&b.translation.vector, part);
-                Pose2::new(place, a.rotation.angle() + turn)
+                interpolate2(a, b, part)
             }
             (Some((_, pose)), None) | (None, Some((_, pose))) => *pose,
             (None, None) => Pose2::identity(),

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use rumbo_core::frames::{Pose2, Twist, wrap_angle};
+use rumbo_core::frames::{Pose2, Twist, interpolate2};
 use rumbo_core::time::{Span, Time};
 
 type StampedPose = (Time, Pose2);
@@ -74,9 +74,7 @@ impl PoseTrack {
             return None;
         }
         let part = (stamp - t0).as_secs() / (t1 - t0).as_secs();
-        let turn_rad = wrap_angle(b.rotation.angle() - a.rotation.angle()) * part;
-        let place = a.translation.vector.lerp(&b.translation.vector, part);
-        Some(Pose2::new(place, a.rotation.angle() + turn_rad))
+        Some(interpolate2(&a, &b, part))
     }
 
     /// Velocity in the robot's own frame between the neighbors of `stamp`; zero where there are not two.

@@ -1,6 +1,6 @@
 //! Where the base was in the odometer's frame, over the last moments.
 
-use rumbo_core::frames::{Pose2, wrap_angle};
+use rumbo_core::frames::{Pose2, interpolate2};
 use rumbo_core::time::{Span, Time};
 use std::collections::VecDeque;
 
@@ -81,9 +81,7 @@ impl OdometryHistory {
             return (time - t0 <= Span::from_secs(Self::EXTRAPOLATED_S)).then_some(a);
         };
         let part = (time - t0).as_secs() / (*t1 - t0).as_secs();
-        let turn_rad = wrap_angle(b.rotation.angle() - a.rotation.angle()) * part;
-        let place = a.translation.vector.lerp(&b.translation.vector, part);
-        Some(Pose2::new(place, a.rotation.angle() + turn_rad))
+        Some(interpolate2(&a, b, part))
     }
 }
 
