@@ -10,7 +10,9 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::ops::Deref;
 use std::ptr::{self, NonNull};
-use std::sync::atomic::{AtomicUsize, Ordering, fence};
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering, fence};
+
+use super::abi::rumbo_block;
 
 /// Element types a [`Buffer`] may hold: fixed layout, no padding that matters, no destructor.
 ///
@@ -64,6 +66,64 @@ extern "C" fn release(block: *mut Block) {
     }
 }
 
+/// The allocating function of the host, in a plugin's library: whatever one side may free later is the host's.
+static HOST_BLOCKS: AtomicPtr<rumbo_block> = AtomicPtr::new(ptr::null_mut());
+
+/// Makes a fresh block for so many bytes of elements, or null where there is no memory.
+pub(super) type BlockMaker = unsafe extern "C" fn(usize) -> *mut rumbo_block;
+
+/// From now on blocks come from the host.
+pub(super) fn allocate_with(host: BlockMaker) {
+    HOST_BLOCKS.store(host as *mut rumbo_block, Ordering::Release);
+}
+
+fn allocate(capacity_bytes: usize) -> *mut Block {
+    let host = HOST_BLOCKS.load(Ordering::Acquire);
+    if host.is_null() {
+        return allocate_here(capacity_bytes).cast();
+    }
+    // SAFETY: only `allocate_with` writes it, always a function of this type.
+    let host = unsafe { std::mem::transmute::<*mut rumbo_block, BlockMaker>(host) };
+    // SAFETY: the host's functions live as long as the program.
+    unsafe { host(capacity_bytes) }.cast()
+}
+
+/// A fresh block of this program's own allocator with one reference; null where there is no memory.
+pub(super) fn allocate_here(capacity_bytes: usize) -> *mut rumbo_block {
+    let Some(layout) = layout(capacity_bytes) else { return ptr::null_mut() };
+    // SAFETY: the layout has a non-zero size.
+    let block = unsafe { alloc(layout) }.cast::<Block>();
+    if !block.is_null() {
+        let header =
+            Block { size: size_of::<Block>(), count: AtomicUsize::new(1), capacity_bytes, retain, release };
+        // SAFETY: the block is fresh, aligned and large enough for the header.
+        unsafe { block.write(header) };
+    }
+    block.cast()
+}
+
+/// One more reference.
+///
+/// # Safety
+/// `block` is null or alive.
+pub(super) unsafe fn retain_block(block: *mut rumbo_block) {
+    if !block.is_null() {
+        // SAFETY: as promised by the caller.
+        unsafe { ((*block.cast::<Block>()).retain)(block.cast()) };
+    }
+}
+
+/// One reference less.
+///
+/// # Safety
+/// `block` is null or alive, and the caller holds a reference.
+pub(super) unsafe fn release_block(block: *mut rumbo_block) {
+    if !block.is_null() {
+        // SAFETY: as promised by the caller.
+        unsafe { ((*block.cast::<Block>()).release)(block.cast()) };
+    }
+}
+
 /// A reference-counted array of plain elements.
 #[repr(C)]
 pub struct Buffer<T: Plain> {
@@ -107,24 +167,29 @@ impl<T: Plain> Buffer<T> {
         if len == 0 {
             return Self::empty();
         }
-        let Some((layout, bytes)) = len.checked_mul(size_of::<T>()).and_then(|b| Some((layout(b)?, b)))
-        else {
-            handle_alloc_error(Layout::new::<T>())
-        };
-        // SAFETY: the layout has a non-zero size.
-        let Some(block) = NonNull::new(unsafe { alloc(layout) }.cast::<Block>()) else {
-            handle_alloc_error(layout)
-        };
-        let header = Block {
-            size: size_of::<Block>(),
-            count: AtomicUsize::new(1),
-            capacity_bytes: bytes,
-            retain,
-            release,
-        };
-        // SAFETY: the block is fresh, aligned and large enough for the header.
-        unsafe { block.as_ptr().write(header) };
-        Buffer { block: block.as_ptr(), len: 0, element: PhantomData }
+        let bytes = len.saturating_mul(size_of::<T>());
+        let block = allocate(bytes);
+        if block.is_null() {
+            handle_alloc_error(layout(bytes).unwrap_or(Layout::new::<T>()))
+        }
+        Buffer { block, len: 0, element: PhantomData }
+    }
+
+    /// The block that holds the elements; null for none.
+    pub(super) fn block(&self) -> *mut rumbo_block {
+        self.block.cast()
+    }
+
+    /// A buffer over `len` elements of a block, whose reference it takes; none where they do not fit (the reference is
+    /// given up all the same).
+    ///
+    /// # Safety
+    /// The block is alive, was made by the host's allocation, and a reference of it changes hands.
+    pub(super) unsafe fn from_block(block: *mut rumbo_block, len: usize) -> Option<Self> {
+        let mut buffer = Buffer { block: block.cast::<Block>(), len: 0, element: PhantomData };
+        let fits = len <= buffer.capacity();
+        buffer.len = if fits { len } else { 0 };
+        fits.then_some(buffer)
     }
 
     fn start(&self) -> *mut T {

@@ -5,6 +5,7 @@ use super::{
     Bumpers, Custom, DepthImage, Imu, LaserScan, Marks, Odometry, PointCloud, PositionFix, RangeRing,
     SteeringAngle, WheelSpeeds,
 };
+use crate::boundary::export::HostLender;
 use crate::boundary::{Buffer, BufferPool};
 use crate::frames::Pose3;
 use crate::time::Time;
@@ -126,9 +127,15 @@ pub struct Observations {
     f32_pool: BufferPool<f32>,
     u16_pool: BufferPool<u16>,
     point_pool: BufferPool<[f32; 3]>,
+    lender: Option<HostLender>,
 }
 
 impl Observations {
+    /// Buffers come from the pools of the program that loaded this plugin, or from here again.
+    pub(crate) fn lend_from(&mut self, lender: Option<HostLender>) {
+        self.lender = lender;
+    }
+
     /// Adds one observation.
     pub fn push(&mut self, observation: Observation) {
         self.items.push_back(observation);
@@ -147,17 +154,17 @@ impl Observations {
     /// A buffer for ranges and other `f32` rows, all zero.
     #[doc(alias = "Observations::buffer")]
     pub fn buffer(&mut self, len: usize) -> Buffer<f32> {
-        self.f32_pool.take(len)
+        self.lender.map_or_else(|| self.f32_pool.take(len), |lender| lender.f32(len))
     }
 
     /// A buffer for depth pictures, all zero.
     pub fn depth_buffer(&mut self, len: usize) -> Buffer<u16> {
-        self.u16_pool.take(len)
+        self.lender.map_or_else(|| self.u16_pool.take(len), |lender| lender.u16(len))
     }
 
     /// A buffer for points, all zero.
     pub fn point_buffer(&mut self, len: usize) -> Buffer<[f32; 3]> {
-        self.point_pool.take(len)
+        self.lender.map_or_else(|| self.point_pool.take(len), |lender| lender.point3(len))
     }
 
     /// Takes the buffers of an observation that nobody needs any more.
@@ -209,7 +216,7 @@ impl<'a> Seen<'a> {
     }
 
     /// One by one, oldest stamp first.
-    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &'a Observation> + use<'a> {
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = &'a Observation> + Clone + use<'a> {
         let seen = *self;
         (0..self.len()).filter_map(move |idx| seen.get(idx))
     }

@@ -129,6 +129,21 @@ impl Background {
         self
     }
 
+    /// Work runs on its own thread.
+    pub(crate) fn is_threaded(&self) -> bool {
+        self.threaded
+    }
+
+    /// How long inline results are held back.
+    pub(crate) fn latency(&self) -> Span {
+        self.latency
+    }
+
+    /// Raised when all jobs shall stop.
+    pub(crate) fn abort(&self) -> &GiveUp {
+        &self.abort
+    }
+
     /// Starts `work` at the time `now`.
     pub fn run<T: Send + 'static>(
         &self,

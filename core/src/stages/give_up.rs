@@ -1,5 +1,6 @@
 //! The request to stop working on something that nobody waits for any more.
 
+use crate::boundary::export::HostFlag;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -9,12 +10,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct GiveUp {
     own: Arc<AtomicBool>,
     parent: Option<Arc<AtomicBool>>,
+    host: Option<Arc<HostFlag>>,
 }
 
 impl GiveUp {
     /// A flag that is also raised when this one is.
     pub fn child(&self) -> GiveUp {
-        GiveUp { own: Arc::default(), parent: Some(self.own.clone()) }
+        GiveUp { own: Arc::default(), parent: Some(self.own.clone()), host: self.host.clone() }
+    }
+
+    /// A flag that is also raised when that of the program is, which loaded this plugin.
+    pub(crate) fn of_host(flag: Arc<HostFlag>) -> GiveUp {
+        GiveUp { host: Some(flag), ..GiveUp::default() }
     }
 
     /// Asks to stop.
@@ -25,7 +32,9 @@ impl GiveUp {
     /// Somebody asked to stop.
     pub fn is_raised(&self) -> bool {
         let raised = |flag: &Arc<AtomicBool>| flag.load(Ordering::Relaxed);
-        raised(&self.own) || self.parent.as_ref().is_some_and(raised)
+        raised(&self.own)
+            || self.parent.as_ref().is_some_and(raised)
+            || self.host.as_ref().is_some_and(|flag| flag.is_raised())
     }
 }
 

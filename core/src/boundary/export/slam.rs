@@ -1,0 +1,109 @@
+//! A SLAM plugin as functions.
+#![allow(unsafe_code)]
+
+use super::super::abi::*;
+use super::super::convert::{EstimateLoan, observations_from, prior_from, read};
+use super::super::status::Crosses as _;
+use super::call::{Call, bad};
+use super::guard::{caught, guarded};
+use super::localizer::write_estimate;
+use super::map_taken::with_map;
+use crate::messages::{Observation, Seen};
+use crate::stages::Slam;
+use std::ffi::c_void;
+
+/// Functions of every SLAM plugin.
+pub(super) static TABLE: rumbo_slam_table = rumbo_slam_table {
+    size: size_of::<rumbo_slam_table>(),
+    destroy: Some(destroy),
+    start: Some(start),
+    update: Some(update),
+    save: Some(save),
+};
+
+struct Side {
+    slam: Box<dyn Slam>,
+    seen: Vec<Observation>,
+    loan: EstimateLoan,
+}
+
+/// An instance as the host keeps it.
+pub(super) fn this(slam: Box<dyn Slam>) -> *mut c_void {
+    Box::into_raw(Box::new(Side { slam, seen: Vec::new(), loan: EstimateLoan::default() })).cast()
+}
+
+unsafe extern "C" fn destroy(this: *mut c_void) {
+    // SAFETY: called once, on what `this` gave.
+    let _ = caught(|| drop(unsafe { Box::from_raw(this.cast::<Side>()) }));
+}
+
+unsafe extern "C" fn start(
+    this: *mut c_void,
+    prior: *const rumbo_prior,
+    map: *mut rumbo_map_mut,
+    error: *mut rumbo_error,
+) -> i32 {
+    // SAFETY: what the host hands over for this call, and an instance that `this` gave.
+    unsafe {
+        with_map(map, |map| {
+            guarded(error, |error| {
+                let Some(side) = this.cast::<Side>().as_mut() else { return RUMBO_ERROR };
+                match prior_from(prior).map(|prior| side.slam.start(&prior, map)) {
+                    Ok(Ok(())) => RUMBO_OK,
+                    Ok(Err(why)) => why.cross(error),
+                    Err(view) => bad(&view, error),
+                }
+            })
+        })
+    }
+}
+
+unsafe extern "C" fn update(
+    this: *mut c_void,
+    call: *const rumbo_call,
+    seen: *const rumbo_seen,
+    map: *mut rumbo_map_mut,
+    estimate: *mut rumbo_estimate,
+    candidates: *mut rumbo_candidate_out,
+    error: *mut rumbo_error,
+) -> i32 {
+    // SAFETY: what the host hands over for this call, and an instance that `this` gave.
+    unsafe {
+        with_map(map, |map| {
+            guarded(error, |error| {
+                let (Some(side), Ok(call)) = (this.cast::<Side>().as_mut(), Call::from(call)) else {
+                    return RUMBO_ERROR;
+                };
+                if let Err(view) = observations_from(seen, &mut side.seen) {
+                    return bad(&view, error);
+                }
+                let updated = side.slam.update(&mut call.cx(), Seen::sorted(&side.seen), map);
+                side.seen.clear();
+                call.hand_on();
+                match updated {
+                    Ok(updated) => write_estimate(&mut side.loan, &updated, estimate, candidates),
+                    Err(why) => why.cross(error),
+                }
+            })
+        })
+    }
+}
+
+unsafe extern "C" fn save(this: *const c_void, bytes: *mut rumbo_bytes_out, error: *mut rumbo_error) -> i32 {
+    // SAFETY: what the host hands over for this call, and an instance that `this` gave.
+    unsafe {
+        guarded(error, |error| {
+            let Some(side) = this.cast::<Side>().as_ref() else { return RUMBO_ERROR };
+            match side.slam.save() {
+                Err(why) => why.cross(error),
+                Ok(state) => {
+                    let Some((out, push)) = read(bytes).and_then(|out| Some((out, out.push?))) else {
+                        return RUMBO_ERROR;
+                    };
+                    push(out.ctx, rumbo_str { data: state.as_ptr().cast(), len: state.len() });
+                    RUMBO_OK
+                }
+            }
+        })
+    }
+}

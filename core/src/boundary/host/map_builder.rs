@@ -1,0 +1,48 @@
+//! A map builder of a library.
+#![allow(unsafe_code)]
+
+use super::super::abi::*;
+use super::super::convert::{EstimateLoan, SeenLoan};
+use super::call::{Instance, lend_cx};
+use super::map_mut::lend_mut;
+use crate::map::Map;
+use crate::stages::{Cx, MapBuilder, MapError, MapInput};
+
+/// A map builder of a library.
+pub(super) struct DynMapBuilder {
+    instance: Instance,
+    table: rumbo_map_builder_table,
+    seen: SeenLoan,
+    estimate: EstimateLoan,
+}
+
+impl DynMapBuilder {
+    /// Of an instance with its functions.
+    pub fn new(instance: Instance, table: rumbo_map_builder_table) -> DynMapBuilder {
+        DynMapBuilder { instance, table, seen: SeenLoan::default(), estimate: EstimateLoan::default() }
+    }
+}
+
+impl MapBuilder for DynMapBuilder {
+    fn start(&mut self, map: &mut Map) -> Result<(), MapError> {
+        let Some(start) = self.table.start else {
+            return Err(MapError::Other("the plugin has no function `start`".to_owned()));
+        };
+        // SAFETY: a function of the instance's own table; the map is borrowed until it returns.
+        self.instance.call(|this, error| unsafe { start(this, lend_mut(map), error) })
+    }
+
+    fn insert(&mut self, cx: &mut Cx<'_>, input: &MapInput<'_>, map: &mut Map) -> Result<(), MapError> {
+        let Some(insert) = self.table.insert else {
+            return Err(MapError::Other("the plugin has no function `insert`".to_owned()));
+        };
+        let call = lend_cx(cx);
+        let seen = self.seen.lend(input.seen.iter());
+        let estimate = self.estimate.lend(input.estimate);
+        self.instance.call(|this, error| {
+            let (call, seen, estimate) = (&raw const call, &raw const seen, &raw const estimate);
+            // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
+            unsafe { insert(this, call, seen, estimate, lend_mut(map), error) }
+        })
+    }
+}

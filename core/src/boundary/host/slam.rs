@@ -1,0 +1,65 @@
+//! A plugin of a library that builds the map and finds the robot in it.
+#![allow(unsafe_code)]
+
+use super::super::abi::*;
+use super::super::convert::{SeenLoan, lend_prior};
+use super::call::{Instance, Pushed, lend_cx, push_bytes};
+use super::localizer::AnswerSheet;
+use super::map_mut::lend_mut;
+use crate::map::Map;
+use crate::messages::{Estimate, Prior, Seen};
+use crate::stages::{Cx, Slam, SlamError};
+
+/// A SLAM plugin of a library.
+pub(super) struct DynSlam {
+    instance: Instance,
+    table: rumbo_slam_table,
+    seen: SeenLoan,
+    answer: AnswerSheet,
+}
+
+impl DynSlam {
+    /// Of an instance with its functions.
+    pub fn new(instance: Instance, table: rumbo_slam_table) -> DynSlam {
+        DynSlam { instance, table, seen: SeenLoan::default(), answer: AnswerSheet::new() }
+    }
+}
+
+impl Slam for DynSlam {
+    fn start(&mut self, prior: &Prior, map: &mut Map) -> Result<(), SlamError> {
+        let Some(start) = self.table.start else {
+            return Err(SlamError::Other("the plugin has no function `start`".to_owned()));
+        };
+        let prior = lend_prior(prior);
+        // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
+        self.instance.call(|this, error| unsafe { start(this, &raw const prior, lend_mut(map), error) })
+    }
+
+    fn update(&mut self, cx: &mut Cx<'_>, seen: Seen<'_>, map: &mut Map) -> Result<Estimate, SlamError> {
+        let Some(update) = self.table.update else {
+            return Err(SlamError::Other("the plugin has no function `update`".to_owned()));
+        };
+        let call = lend_cx(cx);
+        let seen = self.seen.lend(seen.iter());
+        let (mut estimate, mut candidates) = self.answer.begin(cx.now);
+        self.instance.call::<SlamError>(|this, error| {
+            let (call, seen) = (&raw const call, &raw const seen);
+            // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
+            unsafe { update(this, call, seen, lend_mut(map), &raw mut estimate, &raw mut candidates, error) }
+        })?;
+        self.answer.end(estimate, &self.instance)
+    }
+
+    fn save(&self) -> Result<Vec<u8>, SlamError> {
+        let save = self.table.save.ok_or(SlamError::CannotSave)?;
+        let mut bytes = Pushed::<u8>::new();
+        let size = size_of::<rumbo_bytes_out>();
+        let mut out = rumbo_bytes_out { size, ctx: bytes.begin(), push: Some(push_bytes) };
+        // SAFETY: a function of the instance's own table, with an output that lives until it returns.
+        self.instance.look::<SlamError>(|this, error| unsafe { save(this, &raw mut out, error) })?;
+        if bytes.is_too_much {
+            return Err(SlamError::Other(self.instance.nonsense("a state of more than 16 MB")));
+        }
+        Ok(bytes.items)
+    }
+}

@@ -1,0 +1,330 @@
+//! Errors of the stages as status codes with a place, numbers and words, and back into the same variants.
+
+use super::abi::*;
+use super::convert::{cut_into, text_in};
+use crate::frames::Point2;
+use crate::stages::{AvoidError, BuildError, LocalizeError, MapError, PlanError, SensorError, SlamError};
+use std::collections::BTreeSet;
+use std::ffi::c_char;
+use std::sync::Mutex;
+
+/// Words that are kept at most for the life of the program, and the longest of them.
+const MOST_WORDS: usize = 4096;
+const LONGEST_WORD: usize = 240;
+
+/// A word of a plugin that lives as long as the program. Words are few (names of drawings, nouns of errors); a plugin
+/// that makes up new ones for ever gets a placeholder.
+pub(super) fn intern(word: &str) -> &'static str {
+    static WORDS: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+    let mut words = WORDS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+    if let Some(known) = words.get(word) {
+        return known;
+    }
+    if words.len() >= MOST_WORDS || word.len() > LONGEST_WORD {
+        return "(too many or too long words)";
+    }
+    let kept: &'static str = Box::leak(word.to_owned().into_boxed_str());
+    words.insert(kept);
+    kept
+}
+
+impl rumbo_error {
+    /// No error.
+    pub(super) fn none() -> rumbo_error {
+        rumbo_error {
+            size: size_of::<rumbo_error>(),
+            place: rumbo_point::default(),
+            values: [0.0; 2],
+            path: [0; 256],
+            text: [0; 512],
+            message: [0; 1024],
+            help: [0; 512],
+        }
+    }
+
+    /// Forgets what was in it.
+    pub(super) fn clear(&mut self) {
+        self.place = rumbo_point::default();
+        self.values = [0.0; 2];
+        for first in [&mut self.path[..], &mut self.text, &mut self.message, &mut self.help] {
+            first[..1].fill(0 as c_char);
+        }
+    }
+
+    pub(super) fn message(&self) -> String {
+        text_in(&self.message)
+    }
+
+    /// What was said, or that nothing was said.
+    pub(super) fn words(&self, code: i32) -> String {
+        let message = self.message();
+        if message.is_empty() { format!("failed with status {code} and said nothing") } else { message }
+    }
+
+    fn noun(&self) -> &'static str {
+        intern(&text_in(&self.text))
+    }
+
+    fn point(&self) -> Point2 {
+        Point2::new(self.place.x_m, self.place.y_m)
+    }
+
+    pub(super) fn say(&mut self, message: &str) {
+        cut_into(&mut self.message, message);
+    }
+}
+
+/// An error of a stage that crosses the boundary.
+pub(super) trait Crosses: std::fmt::Display {
+    /// Its code; fills in what the code asks for, but for the message.
+    fn code(&self, error: &mut rumbo_error) -> i32;
+    /// From a code and what came with it.
+    fn from_code(code: i32, error: &rumbo_error) -> Self;
+
+    /// Writes the error for the other side.
+    fn cross(&self, error: &mut rumbo_error) -> i32 {
+        error.clear();
+        error.say(&self.to_string());
+        self.code(error)
+    }
+}
+
+fn put(error: &mut rumbo_error, point: &Point2, text: &str) {
+    error.place = rumbo_point { x_m: point.x, y_m: point.y };
+    cut_into(&mut error.text, text);
+}
+
+impl Crosses for PlanError {
+    fn code(&self, e: &mut rumbo_error) -> i32 {
+        match self {
+            PlanError::MissingLayer { layer } => {
+                cut_into(&mut e.text, layer);
+                RUMBO_MISSING_LAYER
+            }
+            PlanError::GoalOutside { goal } => {
+                put(e, goal, "");
+                RUMBO_GOAL_OUTSIDE
+            }
+            PlanError::GoalOccupied { goal, found } => {
+                put(e, goal, found);
+                RUMBO_GOAL_OCCUPIED
+            }
+            PlanError::GoalTooClose { goal, found_m, needed_m } => {
+                put(e, goal, "");
+                e.values = [*found_m, *needed_m];
+                RUMBO_GOAL_TOO_CLOSE
+            }
+            PlanError::StartOutside { start } => {
+                put(e, start, "");
+                RUMBO_START_OUTSIDE
+            }
+            PlanError::StartOccupied { start, found } => {
+                put(e, start, found);
+                RUMBO_START_OCCUPIED
+            }
+            PlanError::Unreachable { reason } => {
+                cut_into(&mut e.text, reason);
+                RUMBO_UNREACHABLE
+            }
+            PlanError::Stuck { place, reason } => {
+                put(e, place, reason);
+                RUMBO_STUCK
+            }
+            PlanError::GivenUp => RUMBO_GIVEN_UP,
+            PlanError::NotFinite { what } => {
+                cut_into(&mut e.text, what);
+                RUMBO_BAD_NUMBER
+            }
+            PlanError::Other(_) => RUMBO_ERROR,
+        }
+    }
+
+    fn from_code(code: i32, e: &rumbo_error) -> PlanError {
+        match code {
+            RUMBO_MISSING_LAYER => PlanError::MissingLayer { layer: e.noun() },
+            RUMBO_GOAL_OUTSIDE => PlanError::GoalOutside { goal: e.point() },
+            RUMBO_GOAL_OCCUPIED => PlanError::GoalOccupied { goal: e.point(), found: e.noun() },
+            RUMBO_GOAL_TOO_CLOSE => {
+                PlanError::GoalTooClose { goal: e.point(), found_m: e.values[0], needed_m: e.values[1] }
+            }
+            RUMBO_START_OUTSIDE => PlanError::StartOutside { start: e.point() },
+            RUMBO_START_OCCUPIED => PlanError::StartOccupied { start: e.point(), found: e.noun() },
+            RUMBO_UNREACHABLE => PlanError::Unreachable { reason: reason(e, code) },
+            RUMBO_STUCK => PlanError::Stuck { place: e.point(), reason: reason(e, code) },
+            RUMBO_GIVEN_UP => PlanError::GivenUp,
+            RUMBO_BAD_NUMBER => PlanError::NotFinite { what: e.noun() },
+            _ => PlanError::Other(e.words(code)),
+        }
+    }
+}
+
+fn reason(e: &rumbo_error, code: i32) -> String {
+    let text = text_in(&e.text);
+    if text.is_empty() { e.words(code) } else { text }
+}
+
+impl Crosses for LocalizeError {
+    fn code(&self, e: &mut rumbo_error) -> i32 {
+        match self {
+            LocalizeError::Prior { prior, needs } => {
+                cut_into(&mut e.path, prior);
+                cut_into(&mut e.text, needs);
+                RUMBO_BAD_PRIOR
+            }
+            LocalizeError::MissingLayer { layer } => {
+                cut_into(&mut e.text, layer);
+                RUMBO_MISSING_LAYER
+            }
+            LocalizeError::NotStarted => RUMBO_NOT_STARTED,
+            LocalizeError::NeedsMotion { wish } => {
+                cut_into(&mut e.text, wish);
+                RUMBO_NEEDS_MOTION
+            }
+            LocalizeError::Message(_) | LocalizeError::Other(_) => RUMBO_ERROR,
+        }
+    }
+
+    fn from_code(code: i32, e: &rumbo_error) -> LocalizeError {
+        match code {
+            RUMBO_BAD_PRIOR => LocalizeError::Prior { prior: prior(e), needs: e.noun() },
+            RUMBO_MISSING_LAYER => LocalizeError::MissingLayer { layer: e.noun() },
+            RUMBO_NOT_STARTED => LocalizeError::NotStarted,
+            RUMBO_NEEDS_MOTION => LocalizeError::NeedsMotion { wish: reason(e, code) },
+            _ => LocalizeError::Other(e.words(code)),
+        }
+    }
+}
+
+fn prior(e: &rumbo_error) -> &'static str {
+    let prior = text_in(&e.path);
+    if prior.is_empty() { "what it was told" } else { intern(&prior) }
+}
+
+impl Crosses for SlamError {
+    fn code(&self, e: &mut rumbo_error) -> i32 {
+        match self {
+            SlamError::Prior { prior, needs } => {
+                cut_into(&mut e.path, prior);
+                cut_into(&mut e.text, needs);
+                RUMBO_BAD_PRIOR
+            }
+            SlamError::CannotSave => RUMBO_CANNOT_SAVE,
+            SlamError::Message(_) | SlamError::Other(_) => RUMBO_ERROR,
+        }
+    }
+
+    fn from_code(code: i32, e: &rumbo_error) -> SlamError {
+        match code {
+            RUMBO_BAD_PRIOR => SlamError::Prior { prior: prior(e), needs: e.noun() },
+            RUMBO_CANNOT_SAVE => SlamError::CannotSave,
+            _ => SlamError::Other(e.words(code)),
+        }
+    }
+}
+
+impl Crosses for MapError {
+    fn code(&self, e: &mut rumbo_error) -> i32 {
+        match self {
+            MapError::File { path, reason } => {
+                cut_into(&mut e.path, path);
+                cut_into(&mut e.text, reason);
+                RUMBO_MAP_FILE
+            }
+            MapError::MissingLayer { layer } => {
+                cut_into(&mut e.text, layer);
+                RUMBO_MISSING_LAYER
+            }
+            MapError::Grid(_) | MapError::Other(_) => RUMBO_ERROR,
+        }
+    }
+
+    fn from_code(code: i32, e: &rumbo_error) -> MapError {
+        match code {
+            RUMBO_MAP_FILE => MapError::File { path: text_in(&e.path), reason: reason(e, code) },
+            RUMBO_MISSING_LAYER => MapError::MissingLayer { layer: e.noun() },
+            _ => MapError::Other(e.words(code)),
+        }
+    }
+}
+
+impl Crosses for AvoidError {
+    fn code(&self, e: &mut rumbo_error) -> i32 {
+        match self {
+            AvoidError::NoReading { kind, age_s } => {
+                cut_into(&mut e.text, kind);
+                e.values = [*age_s, 0.0];
+                RUMBO_NO_READING
+            }
+            AvoidError::Message(_) | AvoidError::Other(_) => RUMBO_ERROR,
+        }
+    }
+
+    fn from_code(code: i32, e: &rumbo_error) -> AvoidError {
+        match code {
+            RUMBO_NO_READING => AvoidError::NoReading { kind: e.noun(), age_s: e.values[0] },
+            _ => AvoidError::Other(e.words(code)),
+        }
+    }
+}
+
+impl Crosses for SensorError {
+    fn code(&self, e: &mut rumbo_error) -> i32 {
+        match self {
+            SensorError::Device { device, reason } => {
+                cut_into(&mut e.path, device);
+                cut_into(&mut e.text, reason);
+                RUMBO_DEVICE
+            }
+            SensorError::NotVirtual => RUMBO_NOT_VIRTUAL,
+            SensorError::World(_)
+            | SensorError::WrongAnswer { .. }
+            | SensorError::Message(_)
+            | SensorError::Other(_) => RUMBO_ERROR,
+        }
+    }
+
+    fn from_code(code: i32, e: &rumbo_error) -> SensorError {
+        match code {
+            RUMBO_DEVICE => SensorError::Device { device: text_in(&e.path), reason: reason(e, code) },
+            RUMBO_NOT_VIRTUAL => SensorError::NotVirtual,
+            _ => SensorError::Other(e.words(code)),
+        }
+    }
+}
+
+impl Crosses for BuildError {
+    fn code(&self, e: &mut rumbo_error) -> i32 {
+        cut_into(&mut e.path, &self.path);
+        cut_into(&mut e.help, self.help.as_deref().unwrap_or_default());
+        RUMBO_BAD_CONFIG
+    }
+
+    fn from_code(code: i32, e: &rumbo_error) -> BuildError {
+        let error = BuildError::at(text_in(&e.path), e.words(code));
+        let help = text_in(&e.help);
+        if help.is_empty() { error } else { error.help(help) }
+    }
+}
+
+/// An error that a panic on the plugin's side leaves, or that the poisoned instance answers from then on.
+pub(super) trait SaysOther {
+    /// As the stage's "anything else".
+    fn other(message: String) -> Self;
+}
+
+macro_rules! says_other {
+    ($($error:ident),*) => { $(
+        impl SaysOther for $error {
+            fn other(message: String) -> Self {
+                $error::Other(message)
+            }
+        }
+    )* };
+}
+says_other!(PlanError, LocalizeError, SlamError, MapError, AvoidError, SensorError);
+
+impl SaysOther for BuildError {
+    fn other(message: String) -> Self {
+        BuildError::at("", message)
+    }
+}
