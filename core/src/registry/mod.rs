@@ -11,6 +11,7 @@ pub use entry::{Built, Configured, Entry, EntrySource, ParseFault, Stage};
 pub use linked::{Linked, Params, Plugin, source_of};
 pub use manifest::Manifest;
 
+use crate::boundary::host::Library;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -53,6 +54,22 @@ impl Registry {
         }
         self.entries.insert(key, Arc::new(entry));
         Ok(())
+    }
+
+    /// Adds all plugins of a library; none where one of them has a name that is taken.
+    pub fn add_library(&mut self, library: Library) -> Result<(), DuplicateEntry> {
+        let mut with = self.clone();
+        for entry in library.entries {
+            with.add(entry)?;
+        }
+        *self = with;
+        Ok(())
+    }
+
+    /// Adds the plugins of one stage that another registry has.
+    pub fn add_stage_of(&mut self, other: &Registry, stage: Stage) {
+        let theirs = other.entries.iter().filter(|((of, _), _)| *of == stage);
+        self.entries.extend(theirs.map(|(key, entry)| (key.clone(), entry.clone())));
     }
 
     /// The plugin of this stage and name.

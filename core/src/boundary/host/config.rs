@@ -27,7 +27,6 @@ impl Values {
 
 /// The parameters of one plugin, ready to be handed over.
 pub(super) struct Config {
-    keys: toml::Table,
     text: String,
     values: Values,
 }
@@ -37,7 +36,7 @@ impl Config {
     pub fn new(keys: &toml::Table, defaults: &toml::Table) -> Config {
         let mut all = defaults.clone();
         lay_over(&mut all, keys);
-        Config { keys: keys.clone(), text: keys.to_string(), values: Values(toml::Value::Table(all)) }
+        Config { text: keys.to_string(), values: Values(toml::Value::Table(all)) }
     }
 
     /// A view that holds as long as this does.
@@ -47,11 +46,6 @@ impl Config {
             toml: text_of(&self.text),
             values: std::ptr::from_ref(&self.values).cast::<rumbo_values>(),
         }
-    }
-
-    /// The keys that the pipeline gives.
-    pub fn keys(&self) -> &toml::Table {
-        &self.keys
     }
 
     /// All parameters, defaults included.
