@@ -2,8 +2,10 @@
 
 use crate::exit::Failure;
 use crate::terminal::Terminal;
-use crate::{check, compare, completions, config, eval, map, plot, plugins, replay, run, schema, test};
+use crate::{check, compare, completions, config, eval, load, map, plot, plugins, replay, run, schema, test};
 use clap::{Parser, Subcommand};
+use rumbo_core::boundary::host::on_log;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 const EXIT_CODES: &str = "\
@@ -26,6 +28,9 @@ pub struct Cli {
     /// Colors on the terminal
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     color: Color,
+    /// A shared library with more plugins; may be given several times
+    #[arg(long = "plugin", global = true, value_name = "FILE")]
+    plugins: Vec<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -59,6 +64,8 @@ pub fn main() -> ExitCode {
         Color::Always => Some(true),
         Color::Never => Some(false),
     });
+    load::use_libraries(&cli.plugins);
+    on_log(move |log| terminal.say(format!("{}: {}: {}", log.target, log.level, log.message)));
     let result = match &cli.verb {
         Verb::Run(args) => run::run(args, &terminal),
         Verb::Check(args) => check::run(args, &terminal),

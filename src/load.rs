@@ -8,6 +8,7 @@ use rumbo_core::engine::EngineError;
 use rumbo_core::pipeline::{Loaded, Pipeline, RecordTo};
 use rumbo_core::registry::Registry;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// A pipeline that can be built, and the file that it came from.
 pub struct Ready {
@@ -80,9 +81,39 @@ impl Refused {
     }
 }
 
+/// Libraries that the command line names, for the rest of this program's life.
+static NAMED: OnceLock<Vec<PathBuf>> = OnceLock::new();
+/// Where the environment names libraries and folders, as in `PATH`.
+const SEARCH: &str = "RUMBO_PLUGIN_PATH";
+
+/// From now on the plugins of these libraries can be named by every pipeline. Only the first call counts.
+pub fn use_libraries(files: &[PathBuf]) {
+    let _ = NAMED.set(files.to_vec());
+}
+
 /// Everything that is shipped.
-pub fn registry() -> Result<Registry, Failure> {
+pub fn linked() -> Result<Registry, Failure> {
     Registry::linked().map_err(|error| Failure::Internal(error.to_string()))
+}
+
+/// Everything that a pipeline can name: what is shipped, and the libraries of `--plugin` and `$RUMBO_PLUGIN_PATH`.
+pub fn registry() -> Result<Registry, Failure> {
+    let mut registry = linked()?;
+    let mut faults = Vec::new();
+    for file in NAMED.get().into_iter().flatten() {
+        if let Err(error) = registry.load(file, None) {
+            faults.push(format!("--plugin {}: {error}", file.display()));
+        }
+    }
+    let search = std::env::var_os(SEARCH).unwrap_or_default();
+    for path in std::env::split_paths(&search).filter(|path| !path.as_os_str().is_empty()) {
+        if path.is_dir() {
+            registry.search(path);
+        } else if let Err(error) = registry.load(&path, None) {
+            faults.push(format!("${SEARCH}: {error}"));
+        }
+    }
+    if faults.is_empty() { Ok(registry) } else { Err(Failure::Usage(faults.join("\n"))) }
 }
 
 /// Reads a pipeline and proves that its parts fit together.

@@ -8,7 +8,7 @@ use crate::exit::{Exit, Failure};
 use crate::load;
 use crate::terminal::Terminal;
 use clap::Subcommand;
-use rumbo_core::registry::{Entry, Registry, Stage};
+use rumbo_core::registry::{Entry, LibraryInfo, Registry, Stage};
 use serde_json::json;
 use std::path::PathBuf;
 
@@ -92,9 +92,22 @@ fn list(
             text += &format!("{gap}[{}]\n", entry.stage.section());
         }
         text += &format!("  {:width$}  {}\n", entry.name, entry.summary);
+        if let Some(library) = &entry.library {
+            text += &of_library(library, &entry.version, width);
+        }
     }
     terminal.data(&text)?;
     Ok(Exit::Success)
+}
+
+/// Where a plugin comes from that is not linked in.
+fn of_library(library: &LibraryInfo, version: &str, width: usize) -> String {
+    let LibraryInfo { path, sha256, abi: (major, minor), build_info } = library;
+    let indent = " ".repeat(width + 4);
+    format!(
+        "{indent}{version}, {}\n{indent}ABI {major}.{minor}, built by {build_info}\n{indent}sha256 {sha256}\n",
+        path.display(),
+    )
 }
 
 /// What everybody wants to know of a plugin.
@@ -102,6 +115,9 @@ fn summary(entry: &Entry) -> serde_json::Value {
     json!({
         "stage": entry.stage.section(), "name": entry.name, "summary": entry.summary,
         "version": entry.version, "origin": entry.origin,
+        "library": entry.library.as_ref().map(|library| json!({
+            "sha256": library.sha256, "abi": [library.abi.0, library.abi.1], "build_info": library.build_info,
+        })),
     })
 }
 

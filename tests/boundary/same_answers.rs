@@ -32,7 +32,7 @@ unsafe extern "C" fn ours(host: *const rumbo_host) -> *const rumbo_module {
 /// Worlds that are linked in, everything else through the boundary.
 fn through_the_boundary() -> Registry {
     let mut registry = Registry::default();
-    registry.add_library(unsafe { Library::of_function(ours, "ours") }.unwrap()).unwrap();
+    registry.add_library(&unsafe { Library::of_function(ours, "ours") }.unwrap()).unwrap();
     let linked = rumbo::registry().unwrap();
     assert_eq!(
         registry.iter().count() + linked.of_stage(Stage::World).count(),
@@ -55,7 +55,7 @@ impl Observer for Diary {
             writeln!(self.0, "  {:?} {:?} {}", seen.sensor, seen.stamp, checksum(seen)).unwrap();
         }
         if let Some(grid) = &view.map.grid
-            && view.step % 500 == 0
+            && view.step.is_multiple_of(500)
         {
             writeln!(self.0, "  map {}", sum(grid.cells.iter().map(|c| c.to_bits()))).unwrap();
         }

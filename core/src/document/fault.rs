@@ -29,6 +29,8 @@ pub enum FaultCode {
     NotFinite,
     /// No plugin of this stage has this name.
     UnknownPlugin,
+    /// A library with plugins cannot be loaded.
+    Library,
     /// A plugin refuses its parameters.
     Plugin,
     /// A rate that nobody can keep.
@@ -68,6 +70,7 @@ impl FaultCode {
             BadValue => "bad_value",
             NotFinite => "not_finite",
             UnknownPlugin => "unknown_plugin",
+            Library => "library",
             Plugin => "plugin",
             Rate => "rate",
             DuplicateName => "duplicate_name",

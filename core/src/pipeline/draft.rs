@@ -1,6 +1,6 @@
 //! A pipeline on its way from the file: every section as far as it can be understood.
 
-use super::own_sections::{Head, head, mission, robot, test};
+use super::own_sections::{Head, mission, robot, test};
 use super::section::Section;
 use super::{Mission, Pipeline, PipelineTest, Seat, SensorSpec, StageSpec, sensors};
 use crate::document::{Fault, FaultCode, Faults, Node, item_path, join_path};
@@ -29,9 +29,9 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    pub fn read(root: &Node, path: &Path, registry: &Registry, faults: &mut Faults) -> Draft {
+    pub fn read(root: &Node, head: Head, registry: &Registry, faults: &mut Faults) -> Draft {
         let mut draft = Draft {
-            head: head(root, path, faults),
+            head,
             robot: robot(root.get("robot"), faults),
             mission: mission(root.get("mission"), faults),
             mission_node: root.get("mission").cloned(),

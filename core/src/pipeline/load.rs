@@ -1,12 +1,14 @@
 //! From a pipeline file to a pipeline, with every fault of the file.
 
 use super::draft::Draft;
+use super::libraries::with_libraries;
+use super::own_sections::head;
 use super::{Pipeline, RecordTo, fits};
 use crate::document::{Document, Fault, FaultCode, Faults, Node, NodeValue, fill_defaults, join_path};
 use crate::engine::Engine;
 use crate::registry::Registry;
 use crate::stages::BuildError;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What came out of a pipeline file.
 #[derive(Debug, Clone)]
@@ -17,8 +19,8 @@ pub struct Loaded {
     pub faults: Faults,
     /// The pipeline; none where so much is wrong that there is none.
     pub pipeline: Option<Pipeline>,
-    /// Libraries with more plugins (`plugin_path`), from the file's folder.
-    pub plugin_path: Vec<PathBuf>,
+    /// Everything that this pipeline can name: what the program has, and the libraries of `plugin_path`.
+    pub registry: Registry,
     /// Where to record the run (`record`): a file as seen from here.
     pub record: Option<RecordTo>,
     draft: Draft,
@@ -45,20 +47,21 @@ impl Loaded {
             matches!(fault.code, FaultCode::Syntax | FaultCode::File | FaultCode::RecursiveInclude)
         };
         let is_readable = !faults.iter().any(is_unreadable);
-        let mut draft = Draft::default();
+        let (mut draft, mut registry) = (Draft::default(), registry.clone());
+        let folder = path.parent().unwrap_or(Path::new(""));
         if is_readable {
-            draft = Draft::read(&document.root, path, registry, &mut faults);
-            fits::check(&draft, registry, &mut faults);
+            let head = head(&document.root, path, &mut faults);
+            registry = with_libraries(&document.root, &head, folder, &registry, &mut faults);
+            draft = Draft::read(&document.root, head, &registry, &mut faults);
+            fits::check(&draft, &registry, &mut faults);
         }
-        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        let pipeline = draft.pipeline(&folder);
-        let plugin_path = draft.head.plugin_path.iter().map(|path| folder.join(path)).collect();
+        let pipeline = draft.pipeline(folder);
         let record = draft.head.record.as_ref().map(|record| match record {
             RecordTo::File(path) => RecordTo::File(folder.join(path)),
             RecordTo::Usual(is_wanted) => RecordTo::Usual(*is_wanted),
         });
         faults.sort();
-        Loaded { document, faults, pipeline, plugin_path, record, draft }
+        Loaded { document, faults, pipeline, registry, record, draft }
     }
 
     /// Builds every stage without touching a device, so that missing files, broken maps, a start inside a wall or a

@@ -5,6 +5,7 @@
 
 mod draft;
 mod fits;
+mod libraries;
 mod load;
 mod mission;
 mod own_sections;
@@ -15,6 +16,7 @@ mod section;
 mod sensors;
 mod spec;
 
+pub use libraries::{Pinned, PluginFile};
 pub use load::Loaded;
 pub use mission::{Expect, InitialPose, Mission, PipelineTest, Waypoint, WellKnownPose};
 pub use own_sections::{Head, RecordTo};

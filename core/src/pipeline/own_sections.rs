@@ -1,5 +1,6 @@
 //! What the framework itself reads: the keys outside sections, `[robot]`, `[mission]` and `[[test]]`.
 
+use super::libraries::PluginFile;
 use super::{Mission, PipelineTest, Seat};
 use crate::document::{
     Fault, FaultCode, Faults, Node, Parsed, item_path, join_path, parse_table, parse_with,
@@ -26,8 +27,8 @@ pub struct Head {
     pub seed: u64,
     /// Version of this file's format.
     pub schema: u32,
-    /// Libraries with more plugins, relative to the file's folder.
-    pub plugin_path: Vec<PathBuf>,
+    /// Libraries with more plugins, relative to the file's folder; folders are searched for `libNAME` of a plugin NAME.
+    pub plugin_path: Vec<PluginFile>,
     /// Where to record the run, relative to the file's folder; or `true` for a file below `out/`, named after the
     /// pipeline.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -139,7 +139,9 @@ fn plugin(
         return Some(entry.clone());
     }
     let message = unknown_plugin(seat.stage(), name, &names, registry);
-    faults.push(Fault::new(FaultCode::UnknownPlugin, path, plugin.origin, message));
+    let elsewhere =
+        "a plugin from elsewhere comes with its library: `plugin_path = [\"FILE\"]`, or --plugin FILE";
+    faults.push(Fault::new(FaultCode::UnknownPlugin, path, plugin.origin, message).help(elsewhere));
     None
 }
 

@@ -4,6 +4,8 @@ use super::Manifest;
 use crate::stages::{Avoider, BuildContext, BuildError, Localizer, MapBuilder, Planner, Sensor, Slam, World};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The stages that plugins can fill.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -122,6 +124,19 @@ pub trait EntrySource: Send + Sync {
     fn parse(&self, keys: toml::Table) -> Result<Box<dyn Configured>, ParseFault>;
 }
 
+/// A shared library, as it was loaded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LibraryInfo {
+    /// The file, with links followed.
+    pub path: PathBuf,
+    /// SHA-256 of the file, in hexadecimal.
+    pub sha256: String,
+    /// Major and minor of the ABI that it was built with.
+    pub abi: (u32, u32),
+    /// Compiler and versions, in its own words.
+    pub build_info: String,
+}
+
 /// One plugin.
 pub struct Entry {
     /// The seat that it fills.
@@ -134,6 +149,8 @@ pub struct Entry {
     pub version: String,
     /// The package or file that it comes from.
     pub origin: String,
+    /// The library that it comes from; none where it is linked into this program.
+    pub library: Option<Arc<LibraryInfo>>,
     /// The rest.
     pub source: Box<dyn EntrySource>,
 }

@@ -56,6 +56,7 @@ impl Linked {
             summary: self.summary.to_owned(),
             version: self.version.to_owned(),
             origin: self.package.to_owned(),
+            library: None,
             source: (self.source)(),
         }
     }

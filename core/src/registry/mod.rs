@@ -4,21 +4,24 @@
 //! plugins walks this registry, so that nothing about a plugin is written twice.
 
 mod entry;
+mod libraries;
 mod linked;
 mod manifest;
 
-pub use entry::{Built, Configured, Entry, EntrySource, ParseFault, Stage};
+pub use entry::{Built, Configured, Entry, EntrySource, LibraryInfo, ParseFault, Stage};
+pub use libraries::AddError;
 pub use linked::{Linked, Params, Plugin, source_of};
 pub use manifest::Manifest;
 
-use crate::boundary::host::Library;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Everything that a pipeline can name, sorted by stage and name.
 #[derive(Debug, Clone, Default)]
 pub struct Registry {
     entries: BTreeMap<(Stage, String), Arc<Entry>>,
+    folders: Vec<PathBuf>,
 }
 
 /// Why an entry cannot be added.
@@ -47,22 +50,21 @@ impl Registry {
 
     /// Adds one more plugin.
     pub fn add(&mut self, entry: Entry) -> Result<(), DuplicateEntry> {
-        let key = (entry.stage, entry.name.clone());
-        if let Some(first) = self.entries.get(&key) {
-            let (stage, name) = (entry.stage.section(), entry.name);
-            return Err(DuplicateEntry { stage, name, first: first.origin.clone(), second: entry.origin });
-        }
-        self.entries.insert(key, Arc::new(entry));
-        Ok(())
+        self.add_shared(Arc::new(entry))
     }
 
-    /// Adds all plugins of a library; none where one of them has a name that is taken.
-    pub fn add_library(&mut self, library: Library) -> Result<(), DuplicateEntry> {
-        let mut with = self.clone();
-        for entry in library.entries {
-            with.add(entry)?;
+    fn add_shared(&mut self, entry: Arc<Entry>) -> Result<(), DuplicateEntry> {
+        let key = (entry.stage, entry.name.clone());
+        if let Some(first) = self.entries.get(&key) {
+            let (stage, name) = (entry.stage.section(), entry.name.clone());
+            return Err(DuplicateEntry {
+                stage,
+                name,
+                first: first.origin.clone(),
+                second: entry.origin.clone(),
+            });
         }
-        *self = with;
+        self.entries.insert(key, entry);
         Ok(())
     }
 

@@ -16,21 +16,23 @@ use super::module::Record;
 use super::planner::DynPlanner;
 use super::sensor::DynSensor;
 use super::slam::DynSlam;
-use crate::registry::{Built, Configured, Entry, EntrySource, Manifest, ParseFault, Stage};
+use crate::registry::{Built, Configured, Entry, EntrySource, LibraryInfo, Manifest, ParseFault, Stage};
 use crate::stages::{BuildContext, BuildError};
 use std::ffi::c_void;
 use std::path::Path;
 use std::sync::Arc;
 
 /// The registry entry of a library's entry.
-pub(super) fn entry(record: Record, origin: &str) -> Entry {
-    let who = Who { name: record.name.clone(), origin: origin.to_owned() };
+pub(super) fn entry(record: Record, library: &Arc<LibraryInfo>) -> Entry {
+    let origin = library.path.display().to_string();
+    let who = Who { name: record.name.clone(), origin: origin.clone() };
     Entry {
         stage: record.stage,
         name: record.name.clone(),
         summary: record.summary.clone(),
         version: record.version.clone(),
-        origin: origin.to_owned(),
+        origin,
+        library: Some(library.clone()),
         source: Box::new(Source { record: Arc::new(record), who }),
     }
 }

@@ -1,26 +1,27 @@
 //! A shared library with plugins: opened, checked, never unloaded.
 #![allow(unsafe_code)]
 
-use super::super::abi::{RUMBO_ENTRY, rumbo_host, rumbo_module};
+#[cfg(feature = "host")]
+use super::super::abi::RUMBO_ENTRY;
+use super::super::abi::{rumbo_host, rumbo_module};
 use super::callbacks::HOST;
 use super::entry::entry;
 #[cfg(feature = "host")]
 use super::file::{self, FileError};
-use super::module::{ModuleError, ModuleInfo, records};
-use crate::registry::Entry;
+use super::module::{ModuleError, records};
+use crate::registry::{Entry, LibraryInfo};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+#[cfg(feature = "host")]
+use std::{collections::BTreeMap, sync::Mutex};
 
 /// A library with its entries.
 #[derive(Debug)]
 pub struct Library {
-    /// The file, with links followed.
-    pub path: PathBuf,
-    /// SHA-256 of the file, in hexadecimal.
-    pub sha256: String,
-    /// What it says about itself.
-    pub info: ModuleInfo,
+    /// The file and what it says about itself.
+    pub info: Arc<LibraryInfo>,
     /// Its plugins.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<Arc<Entry>>,
 }
 
 /// Why a library is not loaded.
@@ -51,11 +52,32 @@ pub enum LoadReason {
 
 type EntryFunction = unsafe extern "C" fn(*const rumbo_host) -> *const rumbo_module;
 
+/// Libraries that are loaded already: a second loading would give the same functions again.
+#[cfg(feature = "host")]
+static LOADED: Mutex<BTreeMap<PathBuf, Arc<Library>>> = Mutex::new(BTreeMap::new());
+
 impl Library {
-    /// Opens the library `path`. Its `sha256`, where one is given, must be this one.
+    /// The file, as entries name it.
+    pub fn origin(&self) -> String {
+        self.info.path.display().to_string()
+    }
+
+    /// Opens the library `path`. Its `sha256`, where one is given, must be this one. A file is opened once in the life of
+    /// a program.
     #[cfg(feature = "host")]
-    pub fn open(path: &Path, sha256: Option<&str>) -> Result<Library, LoadError> {
+    pub fn open(path: &Path, sha256: Option<&str>) -> Result<Arc<Library>, LoadError> {
         let wrong = |reason: LoadReason| LoadError { path: path.to_path_buf(), reason };
+        let mut loaded = LOADED.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(known) = path.canonicalize().ok().and_then(|real| loaded.get(&real)) {
+            let found = &known.info.sha256;
+            return match sha256.filter(|sha256| !sha256.eq_ignore_ascii_case(found)) {
+                None => Ok(known.clone()),
+                Some(expected) => {
+                    let (found, expected) = (found.clone(), expected.to_owned());
+                    Err(wrong(FileError::Checksum { found, expected }.into()))
+                }
+            };
+        }
         let checked = file::check(path, sha256).map_err(|e| wrong(e.into()))?;
         let system = |e: libloading::Error| {
             // The error's own words are only "dlopen failed"; what is behind it names the missing file or symbol.
@@ -69,10 +91,18 @@ impl Library {
         let function: EntryFunction = *function;
         // Never unloaded: its threads, thread-locals and statics may outlive every instance.
         std::mem::forget(library);
-        let origin = checked.path.display().to_string();
         // SAFETY: a function of the library that was just loaded.
-        let (info, entries) = unsafe { entries(function, &origin) }.map_err(|e| wrong(e.into()))?;
-        Ok(Library { path: checked.path, sha256: checked.sha256, info, entries })
+        let opened = unsafe { Library::made(function, checked.path, checked.sha256) };
+        let opened = Arc::new(opened.map_err(|e| wrong(e.into()))?);
+        loaded.insert(opened.info.path.clone(), opened.clone());
+        Ok(opened)
+    }
+
+    /// This program loads no libraries.
+    #[cfg(not(feature = "host"))]
+    pub fn open(path: &Path, _: Option<&str>) -> Result<Arc<Library>, LoadError> {
+        let reason = LoadReason::System("this program was built without the feature `host`".to_owned());
+        Err(LoadError { path: path.to_path_buf(), reason })
     }
 
     /// As if a library with this entry function had been loaded: for tests of both sides in one program.
@@ -80,21 +110,20 @@ impl Library {
     /// # Safety
     /// The function keeps the promises of the ABI.
     #[doc(hidden)]
-    pub unsafe fn of_function(function: EntryFunction, origin: &str) -> Result<Library, LoadError> {
+    pub unsafe fn of_function(function: EntryFunction, origin: &str) -> Result<Library, ModuleError> {
         // SAFETY: as promised by the caller.
-        let found = unsafe { entries(function, origin) };
-        let wrong = |e: ModuleError| LoadError { path: PathBuf::from(origin), reason: e.into() };
-        let (info, entries) = found.map_err(wrong)?;
-        Ok(Library { path: Path::new(origin).to_path_buf(), sha256: String::new(), info, entries })
+        unsafe { Library::made(function, PathBuf::from(origin), String::new()) }
     }
-}
 
-/// # Safety
-/// The function keeps the promises of the ABI.
-unsafe fn entries(function: EntryFunction, origin: &str) -> Result<(ModuleInfo, Vec<Entry>), ModuleError> {
-    // SAFETY: as promised by the caller; the host table lives as long as the program.
-    let module = unsafe { function(&raw const HOST) };
-    // SAFETY: what the entry function returned.
-    let (info, records) = unsafe { records(module)? };
-    Ok((info, records.into_iter().map(|record| entry(record, origin)).collect()))
+    /// # Safety
+    /// The function keeps the promises of the ABI.
+    unsafe fn made(function: EntryFunction, path: PathBuf, sha256: String) -> Result<Library, ModuleError> {
+        // SAFETY: as promised by the caller; the host table lives as long as the program.
+        let module = unsafe { function(&raw const HOST) };
+        // SAFETY: what the entry function returned.
+        let (info, records) = unsafe { records(module)? };
+        let info = Arc::new(LibraryInfo { path, sha256, abi: info.abi, build_info: info.build_info });
+        let entries = records.into_iter().map(|record| Arc::new(entry(record, &info))).collect();
+        Ok(Library { info, entries })
+    }
 }

@@ -15,6 +15,17 @@ pub enum LogLevel {
     Debug,
 }
 
+impl std::fmt::Display for LogLevel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            LogLevel::Error => "error",
+            LogLevel::Warn => "warning",
+            LogLevel::Info => "info",
+            LogLevel::Debug => "debug",
+        })
+    }
+}
+
 /// One message of a plugin.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PluginLog {

@@ -22,6 +22,6 @@ mod world;
 pub use file::FileError;
 pub use library::{Library, LoadError, LoadReason};
 pub use log::{LogLevel, PluginLog, on_log};
-pub use module::{ModuleError, ModuleInfo};
+pub use module::ModuleError;
 
 pub(super) use world::blank as blank_answer;

@@ -73,7 +73,7 @@ pub enum ModuleError {
 
 /// What a library says about itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ModuleInfo {
+pub(super) struct ModuleInfo {
     /// ABI that it was built with.
     pub abi: (u32, u32),
     /// Compiler and versions.
