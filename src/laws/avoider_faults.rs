@@ -10,6 +10,9 @@ use rumbo_core::frames::{Twist, pose2};
 use rumbo_core::messages::{Data, Estimate, LaserScan};
 use rumbo_core::stages::{AvoidError, Steering};
 
+/// What is wrong, and how it gets so.
+type Spoil = (&'static str, fn(&mut Moment));
+
 pub fn survives_nothing(subject: &Subject) -> Verdict {
     let mut steered = Loop::new(subject)?;
     for k in 0..50 {
@@ -21,7 +24,7 @@ pub fn survives_nothing(subject: &Subject) -> Verdict {
 }
 
 pub fn names_bad_numbers(subject: &Subject) -> Verdict {
-    let bad: [(&str, fn(&mut Moment)); 3] = [
+    let bad: [Spoil; 3] = [
         ("a pose at NaN", |moment| moment.map_from_base = pose2(f64::NAN, 0.0, 0.0)),
         ("a pose with a heading of NaN", |moment| moment.map_from_base = pose2(1.0, 1.0, f64::NAN)),
         ("a twist of NaN", |moment| moment.twist = Twist::new(f64::NAN, 0.0)),
@@ -67,7 +70,7 @@ pub fn survives_odd_scans(subject: &Subject) -> Verdict {
 }
 
 pub fn survives_huge_numbers(subject: &Subject) -> Verdict {
-    let huge: [(&str, fn(&mut Moment)); 3] = [
+    let huge: [Spoil; 3] = [
         ("a pose at 1e300 m", |moment| moment.map_from_base = pose2(1e300, -1e300, 0.0)),
         ("an odometer at 1e300 m", |moment| moment.odom_from_base = pose2(-1e300, 0.0, 0.0)),
         ("a twist of 1e300 m/s", |moment| moment.twist = Twist::new(1e300, 1e300)),

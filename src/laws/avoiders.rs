@@ -13,7 +13,8 @@ use rumbo_core::stages::Steering;
 
 /// What every avoider keeps.
 pub const LAWS: &[Law] = &[
-    Law::new("it brings the robot to the end of the path", arrives).within("the arrival radius of 0.1 m, 300 s"),
+    Law::new("it brings the robot to the end of the path", arrives)
+        .within("the arrival radius of 0.1 m, 300 s"),
     Law::new("it steers finite twists that the drive can do, no faster than the robot may", keeps_the_limits)
         .within("1e-9"),
     Law::new("the robot does not touch what its scanner sees", touches_nothing).within("60 s"),
@@ -172,7 +173,11 @@ fn symmetric(subject: &Subject) -> Verdict {
                 let after_s = moment.now.as_secs();
                 format!("after {after_s:.1} s {steering:?} as it is, {answer:?} {}", turn.name())
             };
-            expect(off[0] <= M_S && off[1] <= rad_s, found, "the same, left and right swapped in the mirror")?;
+            expect(
+                off[0] <= M_S && off[1] <= rad_s,
+                found,
+                "the same, left and right swapped in the mirror",
+            )?;
         }
     }
     let worst_deg_s = worst_rad_s.to_degrees();

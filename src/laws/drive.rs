@@ -102,21 +102,14 @@ pub fn frame_at(
 
 /// Data with the head of an observation of a sensor in the middle of the robot.
 pub fn observation(sensor: u16, stamp: Time, data: Data) -> Observation {
-    Observation {
-        sensor: SensorId(sensor),
-        stamp,
-        base_from_sensor: Pose3::identity(),
-        valid: true,
-        data,
-    }
+    Observation { sensor: SensorId(sensor), stamp, base_from_sensor: Pose3::identity(), valid: true, data }
 }
 
 /// Half a turn in steps of one degree, without noise.
 fn scan(world: &TextWorld, map_from_base: &Pose2) -> LaserScan {
     let (first_bearing_rad, bearing_step_rad) = (-FRAC_PI_2, 1f64.to_radians());
     let bearing = |k: usize| first_bearing_rad + bearing_step_rad * k as f64;
-    let range =
-        |k: usize| world.range_m(&(map_from_base * pose2(0.0, 0.0, bearing(k))), MAX_RANGE_M) as f32;
+    let range = |k: usize| world.range_m(&(map_from_base * pose2(0.0, 0.0, bearing(k))), MAX_RANGE_M) as f32;
     LaserScan {
         first_bearing_rad,
         bearing_step_rad,

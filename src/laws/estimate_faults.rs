@@ -12,7 +12,8 @@ use rumbo_core::map::Map;
 use rumbo_core::messages::{Data, LaserScan, Observation, Odometry, Prior};
 
 pub const NOTHING_NEW: Law = Law::new("it survives an update with nothing new", nothing_new);
-pub const NOT_STARTED: Law = Law::new("an update before the start gives an error or an estimate", not_started);
+pub const NOT_STARTED: Law =
+    Law::new("an update before the start gives an error or an estimate", not_started);
 pub const BAD_PRIOR: Law = Law::new("a start from numbers that are not finite is refused", bad_prior);
 pub const ODD_READINGS: Law =
     Law::new("it survives empty, impossible and huge readings, and goes on", odd_readings);
@@ -64,9 +65,8 @@ fn bad_prior(subject: &Subject) -> Verdict {
 
 /// Readings that no sensor should give, and some do.
 fn odd() -> Vec<(&'static str, Data)> {
-    let odometry = |odom_from_base, twist| {
-        Data::Odometry(Odometry { odom_from_base, twist, noise: [0.01; 3] })
-    };
+    let odometry =
+        |odom_from_base, twist| Data::Odometry(Odometry { odom_from_base, twist, noise: [0.01; 3] });
     let scan = |ranges_m: Buffer<f32>, max_range_m| {
         Data::LaserScan(LaserScan {
             first_bearing_rad: -std::f64::consts::FRAC_PI_2,

@@ -15,8 +15,8 @@ use rumbo_core::stages::BuildContext;
 const FOLLOWS: Law =
     Law::new("it follows a robot from a known pose", follows).within("0.30 m and 10 degrees over 3 m");
 const FINITE: Law = Law::new("every number of an estimate is finite, and none is of the future", finite);
-const COVARIANCE: Law =
-    Law::new("covariances are symmetric and positive semi-definite", covariance).within("1e-9 of the largest");
+const COVARIANCE: Law = Law::new("covariances are symmetric and positive semi-definite", covariance)
+    .within("1e-9 of the largest");
 const DETERMINISTIC: Law =
     Law::new("the same drive gives the same estimates, also after a new start", deterministic)
         .within("to the bit, with the same seed");

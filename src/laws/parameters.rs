@@ -33,7 +33,7 @@ fn documented(subject: &Subject) -> Verdict {
         rows.iter().filter(|row| row.description.trim().is_empty()).map(|row| row.key.as_str()).collect();
     let found = || format!("no description of {}", bare.join(", "));
     expect(bare.is_empty(), found, "what each parameter does, in words")?;
-    Ok(format!("{} parameters", rows.len()))
+    Ok(if rows.len() == 1 { "1 parameter".into() } else { format!("{} parameters", rows.len()) })
 }
 
 fn defaults_are_valid(subject: &Subject) -> Verdict {
@@ -101,7 +101,7 @@ fn nonsense_is_refused(subject: &Subject) -> Verdict {
             expect(!taken, || format!("{key}{place} = {shown} is taken"), "an error that names the key")?;
         }
     }
-    Ok(format!("{n_tried} values tried"))
+    Ok(format!("values tried: {n_tried}"))
 }
 
 /// The default with one of its numbers made impossible, or with another type, and where.
@@ -166,7 +166,7 @@ fn ranges_are_kept(subject: &Subject) -> Verdict {
         return Err(Trouble::not_applicable("its schema names no range"));
     }
     expect(taken.is_empty(), || taken.join("; "), "an error that names the key")?;
-    Ok(format!("{n_tried} values tried"))
+    Ok(format!("values tried: {n_tried}"))
 }
 
 fn manifest_fits(subject: &Subject) -> Verdict {

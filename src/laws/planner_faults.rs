@@ -11,6 +11,9 @@ use rumbo_core::stages::{PlanError, PlanRequest};
 
 type Answer = Result<Path, PlanError>;
 
+/// What is wrong, and how it gets so.
+type Spoil = (&'static str, fn(&mut PlanRequest));
+
 pub fn names_bad_goals(subject: &Subject) -> Verdict {
     let world = TextWorld::rooms()?;
     let mut asked = Asked::new(subject)?;
@@ -51,7 +54,7 @@ pub fn names_an_empty_map(subject: &Subject) -> Verdict {
 }
 
 pub fn names_bad_numbers(subject: &Subject) -> Verdict {
-    let bad: [(&str, fn(&mut PlanRequest)); 4] = [
+    let bad: [Spoil; 4] = [
         ("a goal at NaN", |request| request.goal.position.x = f64::NAN),
         ("a goal at infinity", |request| request.goal.position.y = f64::INFINITY),
         ("a start at infinity", |request| request.start = pose2(f64::INFINITY, 0.0, 0.0)),
@@ -70,7 +73,7 @@ pub fn names_bad_numbers(subject: &Subject) -> Verdict {
 }
 
 pub fn survives_huge_numbers(subject: &Subject) -> Verdict {
-    let huge: [(&str, fn(&mut PlanRequest)); 4] = [
+    let huge: [Spoil; 4] = [
         ("a goal at 1e300 m", |request| request.goal.position = Point2::new(1e300, -1e300)),
         ("a start at 1e300 m", |request| request.start = pose2(-1e300, 1e300, 0.0)),
         ("a goal at 1e18 m", |request| request.goal.position = Point2::new(1e18, 1e18)),

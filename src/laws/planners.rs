@@ -152,7 +152,9 @@ fn gives_up_later(subject: &Subject) -> Verdict {
     };
     match answer {
         Err(PlanError::GivenUp) => Ok(format!("came back {:.1} ms later", raised.ms())),
-        Ok(path) => Ok(format!("a path of {:.0} m was finished {:.1} ms later", path.length_m(), raised.ms())),
+        Ok(path) => {
+            Ok(format!("a path of {:.0} m was finished {:.1} ms later", path.length_m(), raised.ms()))
+        }
         Err(other) => Err(Trouble::not_applicable(format!("its search ended by itself: {other}"))),
     }
 }

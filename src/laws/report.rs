@@ -66,9 +66,11 @@ pub enum Outcome {
 impl Finding {
     pub(super) fn of(law: &'static Law, ended: Result<Verdict, Ended>) -> Finding {
         let outcome = match ended {
-            Ok(Ok(found)) => Outcome::Pass { found },
-            Ok(Err(Trouble::Broken { found, expected })) => Outcome::Fail { found, expected },
-            Ok(Err(Trouble::NotApplicable { why })) => Outcome::NotApplicable { why },
+            Ok(Ok(found)) => Outcome::Pass { found: one_line(&found) },
+            Ok(Err(Trouble::Broken { found, expected })) => {
+                Outcome::Fail { found: one_line(&found), expected: one_line(&expected) }
+            }
+            Ok(Err(Trouble::NotApplicable { why })) => Outcome::NotApplicable { why: one_line(&why) },
             Err(Ended::Panicked(message)) => Outcome::Fail {
                 found: format!("it panicked: {message}"),
                 expected: "an answer or an error".into(),
@@ -93,6 +95,11 @@ impl Finding {
     pub fn is_broken(&self) -> bool {
         matches!(self.outcome, Outcome::Fail { .. })
     }
+}
+
+/// Errors of plugins may have several lines.
+fn one_line(words: &str) -> String {
+    words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 impl PluginReport {

@@ -6,7 +6,7 @@ use super::subject::Subject;
 use super::text_world::TextWorld;
 use super::turn::Turn;
 use rumbo_core::frames::{Twist, pose2, wrap_angle};
-use rumbo_core::messages::{Command, Data, Observation, ObservationKind, Observations, Seen};
+use rumbo_core::messages::{Check, Command, Data, Observation, ObservationKind, Observations, Seen};
 use rumbo_core::registry::{Built, Entry, Registry, Stage};
 use rumbo_core::stages::{BuildContext, Cx, Sensor, SensorError, World, WorldError};
 use rumbo_core::time::Time;
@@ -27,12 +27,21 @@ pub struct Watch {
 impl Watch {
     /// A new sensor in the hall seen from this side.
     pub fn new(subject: &Subject, turn: Turn) -> Result<Watch, Trouble> {
+        Watch::of(subject, subject.build()?, turn)
+    }
+
+    /// A sensor that has seen other worlds before, in the hall as it is.
+    pub fn with(subject: &Subject, sensor: Box<dyn Sensor>) -> Result<Watch, Trouble> {
+        Watch::of(subject, sensor, Turn::None)
+    }
+
+    fn of(subject: &Subject, sensor: Box<dyn Sensor>, turn: Turn) -> Result<Watch, Trouble> {
         let is_virtual = subject.manifest().is_virtual;
         if is_virtual {
             subject.sees_enough()?;
         }
         Ok(Watch {
-            sensor: subject.build()?,
+            sensor,
             world: hall(subject, turn)?,
             inputs: if is_virtual { Some(Drive::seen_from(turn)?) } else { None },
             trace: Trace::unwatched(),
@@ -66,6 +75,24 @@ impl Watch {
                 self.sensor.derive(&mut cx, Seen::sorted(&seen), &mut self.out)
             }
         }
+    }
+
+    /// It reads sound messages again, whatever there was before.
+    pub fn goes_on(&mut self, before: &str) -> Result<(), Trouble> {
+        for k in 10..15 {
+            match self.read(k, TWIST) {
+                // The hall has nothing for it, so there is nothing to compare with.
+                Err(Trouble::NotApplicable { .. }) => return Ok(()),
+                read => read?,
+            }
+        }
+        for observation in self.take() {
+            observation.check().map_err(|fault| {
+                let found = format!("after {before}: {fault}");
+                Trouble::broken(found, "sound messages, once the world is fine again")
+            })?;
+        }
+        Ok(())
     }
 
     /// Everything that was read so far.
@@ -140,9 +167,8 @@ pub fn text_of(observation: &Observation) -> String {
 /// ranges.
 pub fn standing_ranges(subject: &Subject, turn: Turn) -> Result<Option<Vec<(f64, f64)>>, Trouble> {
     const N_READINGS: usize = 41;
-    let measures_ranges = |kind: &ObservationKind| {
-        matches!(kind, ObservationKind::LaserScan | ObservationKind::RangeRing)
-    };
+    let measures_ranges =
+        |kind: &ObservationKind| matches!(kind, ObservationKind::LaserScan | ObservationKind::RangeRing);
     if !subject.manifest().produces.iter().any(measures_ranges) {
         return Ok(None);
     }

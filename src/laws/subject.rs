@@ -107,7 +107,11 @@ impl Subject {
 
     /// All its parameters.
     pub fn parameters(&self) -> toml::Table {
-        self.entry.source.parse(self.keys.clone()).map(|configured| configured.parameters()).unwrap_or_default()
+        self.entry
+            .source
+            .parse(self.keys.clone())
+            .map(|configured| configured.parameters())
+            .unwrap_or_default()
     }
 
     /// The usual robot on the first of the drives that the plugin can steer.

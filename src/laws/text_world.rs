@@ -8,11 +8,11 @@ use rumbo_core::messages::Goal;
 use rumbo_kit::GridSize;
 use rumbo_kit::ray::{Ray, RayGrid};
 
-/// Rooms with doors of 1.5 m: any sensible clearance leaves a way.
+/// Two rooms with a door of 1.5 m beside the straight way: any sensible clearance leaves a way.
 pub const ROOMS: &str = "
     ##########################
     #...........#............#
-    #...........#............#
+    #...........#........G...#
     #..S........#............#
     #........................#
     #........................#
@@ -21,7 +21,7 @@ pub const ROOMS: &str = "
     #........................#
     #........................#
     #...........#............#
-    #...........#........G...#
+    #...........#............#
     #...........#............#
     #...........#............#
     ##########################";
@@ -163,11 +163,8 @@ impl TextWorld {
     /// From a place along a heading to the first wall, meters; infinite where there is none within reach.
     pub fn range_m(&self, from: &Pose2, max_range_m: f64) -> f64 {
         let cell_m = self.grid.resolution_m();
-        let ray = Ray::at_angle(
-            from.translation.x / cell_m,
-            from.translation.y / cell_m,
-            from.rotation.angle(),
-        );
+        let ray =
+            Ray::at_angle(from.translation.x / cell_m, from.translation.y / cell_m, from.rotation.angle());
         let most = max_range_m / cell_m;
         let cells = self.rays.cast(&ray, most);
         if cells < most { cells * cell_m } else { f64::INFINITY }

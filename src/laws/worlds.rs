@@ -14,7 +14,10 @@ pub const LAWS: &[Law] = &[
     Law::new("time runs forward only", runs_forward),
     Law::new("commands that are not finite are refused", refuses_bad_commands),
     Law::new("a probe is answered, or said to be unsupported", answers_probes),
-    Law::new("probes of nothing, of nonsense and of too much give an error or an answer", survives_odd_probes),
+    Law::new(
+        "probes of nothing, of nonsense and of too much give an error or an answer",
+        survives_odd_probes,
+    ),
     Law::new("answers and truth are finite, also after huge commands", stays_finite_itself),
     Law::new("the same commands give the same world", deterministic).within("to the bit, with the same seed"),
     Law::new("10,000 calls use finite memory", finite_memory).within("64 MiB").long(),
@@ -60,13 +63,7 @@ fn refuses_bad_commands(subject: &Subject) -> Verdict {
 }
 
 fn beams(mount: &Pose3, first_bearing_rad: f64, n_beams: usize, max_range_m: f64) -> Probe<'_> {
-    Probe::Beams {
-        base_from_sensor: mount,
-        first_bearing_rad,
-        bearing_step_rad: 0.01,
-        n_beams,
-        max_range_m,
-    }
+    Probe::Beams { base_from_sensor: mount, first_bearing_rad, bearing_step_rad: 0.01, n_beams, max_range_m }
 }
 
 fn answers_probes(subject: &Subject) -> Verdict {
@@ -109,7 +106,11 @@ fn survives_odd_probes(subject: &Subject) -> Verdict {
         if let Ok(Answer::Ranges(ranges)) = world.probe(probe) {
             let is_odd = |range: &&f32| **range < 0.0;
             let found = || format!("{what}: a negative range");
-            expect(!ranges.iter().any(|range| is_odd(&range)), found, "an error, or ranges of at least zero")?;
+            expect(
+                !ranges.iter().any(|range| is_odd(&range)),
+                found,
+                "an error, or ranges of at least zero",
+            )?;
         }
     }
     Ok(format!("{} probes", probes.len()))

@@ -42,6 +42,9 @@ struct Printed<'r> {
 /// Does it.
 pub fn run(registry: Registry, args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let entries = chosen(&registry, &args.plugins)?;
+    if args.plugins.is_empty() && !args.sets.is_empty() {
+        return Err(Failure::Usage("--set is about one plugin: name it".into()));
+    }
     let options = Options { keys: keys(&args.sets)? };
     let show = |plugin: &PluginReport| {
         if !args.json {
@@ -66,7 +69,8 @@ fn chosen(registry: &Registry, names: &[String]) -> Result<Vec<Arc<Entry>>, Fail
     for name in names {
         if is_file(name) {
             // Here a plugin file is loaded into the registry, and its entries are chosen.
-            let message = format!("{name}: this version of rumbo verifies only the plugins that it brings along");
+            let message =
+                format!("{name}: this version of rumbo verifies only the plugins that it brings along");
             return Err(Failure::Usage(message));
         }
         chosen.push(find(registry, name)?.clone());
@@ -146,7 +150,7 @@ mod tests {
 
     #[test]
     fn files_are_told_from_names() {
-        for file in ["target/libmine.so", "mine.so", "mine.dylib", "mine.dll", "C:\\mine", "./mine"] {
+        for file in ["target/libmine.so", "mine.so", "mine.dylib", "mine.dll", "folder\\mine", "./mine"] {
             assert!(is_file(file), "{file}");
         }
         for name in ["dp", "planner.dp", "lms200"] {
