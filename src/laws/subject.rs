@@ -52,6 +52,12 @@ impl Subject {
                 return Ok((with_file, "with a made-up `file`".into()));
             }
         }
+        let dry = BuildContext { dry_run: true, ..self.context() };
+        if self.built(&dry).is_ok() {
+            // A check touches no device, and a device is not here where nobody has plugged it in.
+            let why = format!("a check takes it, but it cannot be built here: {}", first.message);
+            return Err(Trouble::not_applicable(why));
+        }
         Err(self.explain(&first))
     }
 

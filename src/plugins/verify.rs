@@ -40,8 +40,8 @@ struct Printed<'r> {
 }
 
 /// Does it.
-pub fn run(registry: Registry, args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
-    let entries = chosen(&registry, &args.plugins)?;
+pub fn run(mut registry: Registry, args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
+    let entries = chosen(&mut registry, &args.plugins)?;
     if args.plugins.is_empty() && !args.sets.is_empty() {
         return Err(Failure::Usage("--set is about one plugin: name it".into()));
     }
@@ -61,21 +61,26 @@ pub fn run(registry: Registry, args: &Args, terminal: &Terminal) -> Result<Exit,
     Ok(if report.is_good() { Exit::Success } else { Exit::NoSuccess })
 }
 
-fn chosen(registry: &Registry, names: &[String]) -> Result<Vec<Arc<Entry>>, Failure> {
+fn chosen(registry: &mut Registry, names: &[String]) -> Result<Vec<Arc<Entry>>, Failure> {
     if names.is_empty() {
         return Ok(registry.iter().cloned().collect());
     }
     let mut chosen = Vec::new();
     for name in names {
         if is_file(name) {
-            // Here a plugin file is loaded into the registry, and its entries are chosen.
-            let message =
-                format!("{name}: this version of rumbo verifies only the plugins that it brings along");
-            return Err(Failure::Usage(message));
+            chosen.extend(loaded(registry, Path::new(name))?);
+        } else {
+            chosen.push(find(registry, name)?.clone());
         }
-        chosen.push(find(registry, name)?.clone());
     }
     Ok(chosen)
+}
+
+/// The plugins of a file, which become part of the registry.
+fn loaded(_registry: &mut Registry, file: &Path) -> Result<Vec<Arc<Entry>>, Failure> {
+    // Where libraries can be loaded, this is what `registry.load(file)` gives.
+    let words = "this version of rumbo verifies only the plugins that it brings along";
+    Err(Failure::Usage(format!("{}: {words}", file.display())))
 }
 
 /// Names of plugins have no separators and no endings of libraries.

@@ -14,13 +14,14 @@ pub struct Double {
     pub make: Make,
     pub schema: serde_json::Value,
     pub defaults: toml::Table,
+    pub fault: fn(&BuildContext) -> Option<BuildError>,
 }
 
 impl Double {
     /// A plugin without parameters.
     pub fn entry(stage: Stage, name: &str, manifest: Manifest, make: Make) -> Entry {
         let schema = json!({ "type": "object", "additionalProperties": false, "properties": {} });
-        Double { manifest, make, schema, defaults: toml::Table::new() }.called(stage, name)
+        Double { manifest, make, schema, defaults: toml::Table::new(), fault: |_| None }.called(stage, name)
     }
 
     pub fn called(self, stage: Stage, name: &str) -> Entry {
@@ -66,7 +67,7 @@ impl Configured for Double {
     }
 
     fn build(&self, context: &BuildContext) -> Result<Built, BuildError> {
-        Ok((self.make)(context))
+        (self.fault)(context).map_or_else(|| Ok((self.make)(context)), Err)
     }
 }
 

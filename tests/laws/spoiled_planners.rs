@@ -5,7 +5,7 @@ use super::*;
 use rumbo_core::frames::Point2;
 use rumbo_core::messages::{Path, PathPoint};
 use rumbo_core::registry::Built;
-use rumbo_core::stages::{BuildContext, GiveUp, PlanError, PlanRequest, Planner};
+use rumbo_core::stages::{BuildContext, BuildError, GiveUp, PlanError, PlanRequest, Planner};
 use rumbo_core::trace::Trace;
 use serde_json::json;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -140,6 +140,38 @@ fn memory_that_leaks_is_told() {
     breaks(leaking, &["10,000 calls use finite memory"]);
 }
 
+/// What becomes of building a plugin with a parameter `port` that is refused like this.
+fn building(fault: fn(&BuildContext) -> Option<BuildError>) -> (PluginReport, Outcome) {
+    let port = json!({ "type": "string", "description": "Where it is plugged in." });
+    let double = Double {
+        manifest: manifest(Stage::Planner, "a_star"),
+        make: |context| make(context, |inner, request| inner.plan(request)),
+        schema: json!({ "properties": { "port": port }, "additionalProperties": false }),
+        defaults: toml::Table::from_iter([("port".to_owned(), "usb".into())]),
+        fault,
+    };
+    let report = report(double.called(Stage::Planner, "plugged"));
+    let found = report.findings.iter().find(|finding| finding.law == "it can be built from its defaults");
+    let outcome = found.unwrap().outcome.clone();
+    (report, outcome)
+}
+
+#[test]
+fn a_default_that_is_refused_is_told_and_what_cannot_be_guessed_is_not_applicable() {
+    let (_, outcome) = building(|_| Some(BuildError::at("port", "is usb, expected a number")));
+    assert!(matches!(outcome, Outcome::Fail { .. }), "{outcome:?}");
+    let (report, outcome) = building(|_| Some(BuildError::at("server", "is missing")));
+    let Outcome::NotApplicable { why } = outcome else { panic!("{outcome:?}") };
+    assert!(why.contains("--set server=...") && !why.contains("usb"), "{why}");
+    let silent = report.findings.last().unwrap();
+    assert!(matches!(silent.outcome, Outcome::NotApplicable { .. }), "{silent:?}");
+    let not_here: fn(&BuildContext) -> Option<BuildError> =
+        |context| (!context.dry_run).then(|| BuildError::at("port", "nothing answers at usb"));
+    let (_, outcome) = building(not_here);
+    let Outcome::NotApplicable { why } = outcome else { panic!("{outcome:?}") };
+    assert!(why.contains("nothing answers at usb"), "{why}");
+}
+
 #[test]
 fn a_schema_that_lies_is_told() {
     let lying = |schema: serde_json::Value, laws: &[&str]| {
@@ -148,6 +180,7 @@ fn a_schema_that_lies_is_told() {
             make: |context| make(context, |inner, request| inner.plan(request)),
             schema,
             defaults: toml::Table::from_iter([("gain".to_owned(), toml::Value::Float(0.5))]),
+            fault: |_| None,
         };
         breaks(double.called(Stage::Planner, "lying"), laws);
     };
