@@ -5,15 +5,20 @@
 //! step, [`BagReader`] every message of any bag. `docs/recording.md` lists the topics.
 
 mod bag;
+mod bag_index;
+mod bag_piece;
 mod bag_writer;
 pub mod cdr;
 mod difference;
 mod header;
 pub mod layout;
 mod map_code;
+mod mcap_records;
 mod observation;
 mod order_code;
 mod outputs;
+mod packed_step;
+mod packed_words;
 pub mod pose;
 mod reader;
 pub mod ros;
@@ -31,6 +36,7 @@ pub use outputs::{
     RecordedEvent, StepMark, estimated_place, put_command, put_estimate, put_event, put_path, put_step,
     read_command, read_event, read_path, read_step,
 };
+pub use packed_step::{StepPacker, StepUnpacker, ViewerCopy};
 pub use reader::{RecordedStep, RecordingError, RecordingReader, is_of};
 pub use step_encoder::{Said, StepEncoder, sensor_name};
 pub use viewer::ViewerCopies;

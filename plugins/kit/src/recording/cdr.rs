@@ -65,6 +65,12 @@ impl CdrWriter {
         self.fill(values, f64::to_le_bytes);
     }
 
+    /// An array of a fixed length.
+    pub fn array32(&mut self, values: &[f32]) {
+        self.align(if values.is_empty() { 1 } else { 4 });
+        self.fill(values, f32::to_le_bytes);
+    }
+
     /// A sequence.
     pub fn f64s(&mut self, values: &[f64]) {
         self.length(values.len());
@@ -74,7 +80,7 @@ impl CdrWriter {
     /// A sequence.
     pub fn f32s(&mut self, values: &[f32]) {
         self.length(values.len());
-        self.fill(values, f32::to_le_bytes);
+        self.array32(values);
     }
 
     /// A sequence.

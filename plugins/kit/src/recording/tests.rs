@@ -1,5 +1,5 @@
 use super::cdr::CdrWriter;
-use super::layout::{COMMAND, END, EVENT, RUN, STEP};
+use super::layout::{COMMAND, END, EVENT, RUN, SCHEMA, STEP};
 use super::outputs::{StepMark, put_command, put_event, put_step};
 use super::*;
 use rumbo_core::engine::{Event, EventKind, State};
@@ -93,11 +93,11 @@ fn what_is_no_recording_of_ours_is_told_apart() {
     let other = bag.finish().unwrap().into_inner();
     assert!(told(&other).ends_with("its first message is a rcl_interfaces/msg/Log on /log"));
     let mut later = recording(0);
-    let at = later.windows(8).position(|w| w == [0, 1, 0, 0, 1, 0, 0, 0]).unwrap();
+    let at = later.windows(8).position(|w| w == [0, 1, 0, 0, SCHEMA as u8, 0, 0, 0]).unwrap();
     later[at + 4] = 9;
     assert_eq!(
         told(&later),
-        "a.mcap: the recording has schema 9, this program reads up to 1; use a newer rumbo"
+        "a.mcap: the recording has schema 9, this program reads up to 2; use a newer rumbo"
     );
 }
 
