@@ -5,7 +5,7 @@ use crate::load::Ready;
 use crate::terminal::make_folder_of;
 use rumbo_core::engine::{Engine, Observer, RunEnd, StepView};
 use rumbo_core::pipeline::Pipeline;
-use rumbo_core::time::Time;
+use rumbo_core::time::{Span, Time};
 use rumbo_kit::recording::cdr::CdrWriter;
 use rumbo_kit::recording::layout::{END, PACKED_STEP, RUN};
 use rumbo_kit::recording::{
@@ -110,8 +110,14 @@ impl RunRecording {
 }
 
 impl<W: Write> RunRecording<W> {
+    /// What a world that only computes may lose when the program is killed: running it again brings it back.
+    const LONGEST_COMPUTED: Span = Span(10_000_000_000);
+
     /// Begins a recording in a bag.
     pub fn new(mut bag: BagWriter<W>, header: &RunHeader) -> io::Result<RunRecording<W>> {
+        if !header.is_real_time {
+            bag = bag.close_after(Self::LONGEST_COMPUTED);
+        }
         let mut cdr = CdrWriter::default();
         put_header(&mut cdr, header);
         let run = bag.topic("/rumbo/run", &RUN)?;

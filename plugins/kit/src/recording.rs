@@ -24,12 +24,13 @@ mod reader;
 pub mod ros;
 mod step_encoder;
 mod viewer;
+mod word_hash;
 
 pub use bag::{BagChannel, BagEnd, BagError, BagMessage, BagReader, MAGIC};
 pub use bag_writer::{BagWriter, TopicId};
 pub use difference::{FieldDifference, first_difference};
 pub use header::{HeaderError, RunHeader, put_end, put_header, read_header};
-pub use map_code::{hash_of, put_map, put_map_hash, read_map};
+pub use map_code::{put_map, put_map_hash, read_map};
 pub use observation::{put_observation, read_observation};
 pub use order_code::{put_order, read_order};
 pub use outputs::{
@@ -40,6 +41,7 @@ pub use packed_step::{StepPacker, StepUnpacker, ViewerCopy};
 pub use reader::{RecordedStep, RecordingError, RecordingReader, is_of};
 pub use step_encoder::{Said, StepEncoder, sensor_name};
 pub use viewer::ViewerCopies;
+pub use word_hash::hash_of;
 
 #[cfg(test)]
 mod tests;

@@ -17,13 +17,20 @@ pub struct Piece {
     times: Option<(u64, u64)>,
 }
 
-impl Default for Piece {
-    fn default() -> Piece {
-        Piece { records: Records { bytes: vec![0; HEAD] }, places: Vec::new(), times: None }
-    }
-}
-
 impl Piece {
+    /// An empty piece with room for so many bytes.
+    pub fn with_capacity(n_bytes: usize) -> Piece {
+        let mut bytes = Vec::with_capacity(HEAD + n_bytes);
+        bytes.resize(HEAD, 0);
+        Piece { records: Records { bytes }, places: Vec::new(), times: None }
+    }
+
+    /// Makes room for one more topic: so much that the list of a usual piece never has to move.
+    pub fn open(&mut self) {
+        const USUAL: usize = 256;
+        self.places.push(Vec::with_capacity(USUAL));
+    }
+
     /// There is nothing in it.
     pub fn is_empty(&self) -> bool {
         self.records.bytes.len() <= HEAD

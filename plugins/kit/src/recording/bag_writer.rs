@@ -21,10 +21,12 @@ pub struct TopicId(u16);
 /// A bag that grows.
 #[derive(Debug)]
 pub struct BagWriter<W: Write = File> {
-    to: W,
+    /// None when the file is closed, or when writing failed.
+    to: Option<W>,
     piece: Piece,
     index: Index,
     closed_at: Option<Time>,
+    longest: Span,
 }
 
 impl BagWriter {
@@ -49,9 +51,21 @@ impl<W: Write> BagWriter<W> {
             records.text(concat!("rumbo ", env!("CARGO_PKG_VERSION")));
         });
         to.write_all(&first.bytes)?;
-        let mut bag = BagWriter { to, piece: Piece::default(), index: Index::default(), closed_at: None };
+        let mut bag = BagWriter {
+            to: Some(to),
+            piece: Piece::with_capacity(Self::MOST_BYTES),
+            index: Index::default(),
+            closed_at: None,
+            longest: Self::LONGEST,
+        };
         bag.index.at = first.bytes.len() as u64;
         Ok(bag)
+    }
+
+    /// Closes pieces after another time than two seconds.
+    pub fn close_after(mut self, longest: Span) -> BagWriter<W> {
+        self.longest = longest;
+        self
     }
 
     /// Opens a topic; one that is open already is the same.
@@ -70,7 +84,7 @@ impl<W: Write> BagWriter<W> {
         let id = number(self.index.topics.len())?;
         self.piece.records.channel(id, &topic);
         self.index.topics.push(topic);
-        self.piece.places.push(Vec::new());
+        self.piece.open();
         Ok(TopicId(id))
     }
 
@@ -85,7 +99,7 @@ impl<W: Write> BagWriter<W> {
     /// Between two steps: closes the piece if it is old enough.
     pub fn rest(&mut self, now: Time) -> io::Result<()> {
         let closed_at = *self.closed_at.get_or_insert(now);
-        if now - closed_at >= Self::LONGEST {
+        if now - closed_at >= self.longest {
             self.closed_at = Some(now);
             self.close_piece()?;
         }
@@ -97,17 +111,34 @@ impl<W: Write> BagWriter<W> {
         if self.piece.is_empty() {
             return Ok(());
         }
-        let written = self.to.write_all(self.piece.close(&mut self.index));
+        let mut to = self.to.take().ok_or_else(Self::failed)?;
+        to.write_all(self.piece.close(&mut self.index))?;
         self.piece.clear();
-        written
+        self.to = Some(to);
+        Ok(())
     }
 
     /// Closes the file and gives back what it was written to.
     pub fn finish(mut self) -> io::Result<W> {
         self.close_piece()?;
-        self.to.write_all(&self.index.end())?;
-        self.to.flush()?;
-        Ok(self.to)
+        let mut to = self.to.take().ok_or_else(Self::failed)?;
+        to.write_all(&self.index.end())?;
+        to.flush()?;
+        Ok(to)
+    }
+
+    fn failed() -> io::Error {
+        io::Error::other("writing failed before")
+    }
+}
+
+/// Whoever forgets to finish a bag, or cannot since something panicked, loses nothing.
+impl<W: Write> Drop for BagWriter<W> {
+    fn drop(&mut self) {
+        let closed = if self.to.is_some() { self.close_piece() } else { Ok(()) };
+        if let (Ok(()), Some(to)) = (closed, &mut self.to) {
+            let _ = to.write_all(&self.index.end());
+        }
     }
 }
 

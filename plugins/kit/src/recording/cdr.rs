@@ -3,6 +3,8 @@
 //!
 //! The crates that do this, `cdr` and `cdr-encoding`, go through serde element by element; a scan of ours is one copy.
 
+use super::word_hash::WordHash;
+
 /// Bytes in front of the message that say how it is encoded.
 const HEADER: usize = 4;
 
@@ -10,6 +12,8 @@ const HEADER: usize = 4;
 #[derive(Debug, Default)]
 pub struct CdrWriter {
     bytes: Vec<u8>,
+    /// Where only the hash of the message is wanted: what of it was hashed already, and how many bytes that were.
+    hashed: Option<(WordHash, usize)>,
 }
 
 macro_rules! write_numbers {
@@ -27,7 +31,15 @@ impl CdrWriter {
     pub fn begin(&mut self) -> &mut CdrWriter {
         self.bytes.clear();
         self.bytes.extend_from_slice(&[0, 1, 0, 0]);
+        self.hashed = None;
         self
+    }
+
+    /// The [hash](super::hash_of) of the message that `put` writes, without room for all of it.
+    pub fn hash(&mut self, put: impl FnOnce(&mut CdrWriter)) -> u64 {
+        self.begin().hashed = Some((WordHash::default(), 0));
+        put(self);
+        self.hashed.take().unwrap_or_default().0.end(&self.bytes)
     }
 
     /// The message.
@@ -36,8 +48,10 @@ impl CdrWriter {
     }
 
     fn align(&mut self, size: usize) {
-        let used = self.bytes.len().saturating_sub(HEADER);
-        self.bytes.resize(HEADER + used.next_multiple_of(size), 0);
+        let hashed = self.hashed.map_or(0, |(_, n_bytes)| n_bytes);
+        let used = (hashed + self.bytes.len()).saturating_sub(HEADER);
+        let missing = used.next_multiple_of(size) - used;
+        self.bytes.resize(self.bytes.len() + missing, 0);
     }
 
     write_numbers!(u8: u8, u16: u16, u32: u32, i32: i32, u64: u64, i64: i64, f32: f32, f64: f64);
@@ -95,13 +109,37 @@ impl CdrWriter {
         self.bytes.extend_from_slice(values);
     }
 
-    /// Elements that are aligned already, in one pass that the compiler turns into a copy.
-    fn fill<T: Copy, const N: usize>(&mut self, values: &[T], bytes_of: fn(T) -> [u8; N]) {
-        let start = self.bytes.len();
-        self.bytes.resize(start + values.len() * N, 0);
-        let room = self.bytes.get_mut(start..).unwrap_or_default();
-        for (room, value) in room.chunks_exact_mut(N).zip(values) {
-            room.copy_from_slice(&bytes_of(*value));
+    /// Octets that are made on the way.
+    pub fn octets_of(&mut self, values: impl ExactSizeIterator<Item = u8>) {
+        self.length(values.len());
+        self.bytes.extend(values);
+    }
+
+    fn fill<T: Copy, const N: usize>(&mut self, values: &[T], bytes_of: impl Fn(T) -> [u8; N] + Copy) {
+        /// Elements that are hashed at once: they stay in the first cache.
+        const AT_ONCE: usize = 1024;
+        if self.hashed.is_none() {
+            return self.copy(values, bytes_of);
+        }
+        for values in values.chunks(AT_ONCE) {
+            self.copy(values, bytes_of);
+            if let Some((hash, n_bytes)) = &mut self.hashed {
+                let n_words = self.bytes.len() - hash.take(&self.bytes).len();
+                *n_bytes += n_words;
+                self.bytes.drain(..n_words);
+            }
+        }
+    }
+
+    /// Elements that are aligned already, sixteen at a time: the compiler turns them into a copy.
+    fn copy<T: Copy, const N: usize>(&mut self, values: &[T], bytes_of: impl Fn(T) -> [u8; N]) {
+        self.bytes.reserve(values.len() * N);
+        let (blocks, rest) = values.as_chunks::<16>();
+        for block in blocks {
+            self.bytes.extend_from_slice(block.map(&bytes_of).as_flattened());
+        }
+        for value in rest {
+            self.bytes.extend_from_slice(&bytes_of(*value));
         }
     }
 }

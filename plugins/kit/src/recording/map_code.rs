@@ -121,8 +121,7 @@ fn voxels(cdr: &mut CdrReader<'_>) -> Result<Voxels, CdrError> {
 pub fn put_map_hash(cdr: &mut CdrWriter, map: &Map) {
     let mut room = CdrWriter::default();
     let mut hash = |is_there: bool, put: &dyn Fn(&mut CdrWriter)| {
-        put(room.begin());
-        if is_there { hash_of(room.bytes()) } else { 0 }
+        if is_there { room.hash(put) } else { 0 }
     };
     let grid = hash(map.grid.is_some(), &|cdr| map.grid.iter().for_each(|grid| put_grid(cdr, grid)));
     let coarse_grids = hash(!map.coarse_grids.is_empty(), &|cdr| {
@@ -139,14 +138,6 @@ pub fn put_map_hash(cdr: &mut CdrWriter, map: &Map) {
     });
     cdr.begin().u64(map.version);
     [grid, coarse_grids, lines, landmarks, voxels].into_iter().for_each(|hash| cdr.u64(hash));
-}
-
-/// FNV-1a (Fowler, Noll, Vo), eight bytes at a time: it finds changes, not forgers.
-pub fn hash_of(bytes: &[u8]) -> u64 {
-    let (words, rest) = bytes.as_chunks::<8>();
-    let mix = |hash: u64, part: u64| (hash ^ part).wrapping_mul(0x0100_0000_01b3).rotate_left(23);
-    let hash = words.iter().fold(0xcbf2_9ce4_8422_2325, |hash, word| mix(hash, u64::from_le_bytes(*word)));
-    rest.iter().fold(mix(hash, bytes.len() as u64), |hash, byte| mix(hash, u64::from(*byte)))
 }
 
 #[cfg(test)]

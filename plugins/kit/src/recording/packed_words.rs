@@ -13,7 +13,7 @@ const GROUP: usize = 8;
 /// The last message of a kind.
 #[derive(Debug, Default)]
 pub struct LastWords {
-    words: Vec<u64>,
+    groups: Vec<[u64; GROUP]>,
     /// What the clocks went on by.
     strides: [u64; 2],
     n_bytes: usize,
@@ -28,8 +28,8 @@ impl LastWords {
     /// Begins anew with zeros where the next message is of another length.
     pub fn fit(&mut self, n_bytes: usize) {
         if self.n_bytes != n_bytes {
-            self.words.clear();
-            self.words.resize(n_bytes.div_ceil(WORD), 0);
+            self.groups.clear();
+            self.groups.resize(n_bytes.div_ceil(WORD * GROUP), [0; GROUP]);
             self.strides = [0; 2];
             self.n_bytes = n_bytes;
         }
@@ -39,7 +39,7 @@ impl LastWords {
     fn expect(&mut self, clocks: &[usize]) -> [u64; 2] {
         let mut before = [0; 2];
         for ((clock, stride), before) in clocks.iter().zip(self.strides).zip(&mut before) {
-            if let Some(word) = self.words.get_mut(*clock) {
+            if let Some(word) = self.groups.as_flattened_mut().get_mut(*clock) {
                 *before = *word;
                 *word = word.wrapping_add(stride);
             }
@@ -49,30 +49,33 @@ impl LastWords {
 
     fn learn(&mut self, clocks: &[usize], before: [u64; 2]) {
         for ((clock, stride), before) in clocks.iter().zip(&mut self.strides).zip(before) {
-            *stride = self.words.get(*clock).map_or(0, |word| word.wrapping_sub(before));
+            *stride = self.groups.as_flattened().get(*clock).map_or(0, |word| word.wrapping_sub(before));
         }
     }
 
     /// Writes a message of the length that was fitted.
     pub fn pack(&mut self, message: &[u8], clocks: &[usize], out: &mut Vec<u8>) {
         let before = self.expect(clocks);
-        for (group, last) in message.chunks(GROUP * WORD).zip(self.words.chunks_mut(GROUP)) {
-            let (whole, rest) = group.as_chunks::<WORD>();
-            let mut padded = [0; WORD];
-            padded[..rest.len()].copy_from_slice(rest);
-            let words = whole.iter().chain((!rest.is_empty()).then_some(&padded));
-            // Every word is written and only counted if it changed: no branch to be guessed.
-            let (mut changed, mut n_changed, mut mask) = ([[0; WORD]; GROUP], 0, 0u8);
-            for ((idx, word), last) in words.enumerate().zip(last) {
-                changed[n_changed % GROUP] = *word;
-                let number = u64::from_le_bytes(*word);
-                let differs = *last != number;
-                mask |= u8::from(differs) << idx;
-                n_changed += usize::from(differs);
-                *last = number;
+        for (group, last) in message.chunks(GROUP * WORD).zip(&mut self.groups) {
+            let mut words = [[0; WORD]; GROUP];
+            match group.first_chunk::<{ GROUP * WORD }>() {
+                Some(whole) => words.as_flattened_mut().copy_from_slice(whole),
+                None => words.as_flattened_mut()[..group.len()].copy_from_slice(group),
             }
+            let words = words.map(u64::from_le_bytes);
+            let differs = |idx: usize| u8::from(words[idx] != last[idx]) << idx;
+            let mask = (0..GROUP).map(differs).fold(0, |mask, bit| mask | bit);
+            // Every word is written and only counted if it changed: no branch to be guessed.
+            let (mut changed, mut n_changed) = ([[0; WORD]; GROUP], 0);
+            for (idx, word) in words.iter().enumerate() {
+                changed[n_changed % GROUP] = word.to_le_bytes();
+                n_changed += usize::from(mask >> idx & 1);
+            }
+            *last = words;
             out.push(mask);
-            out.extend_from_slice(changed.as_flattened().get(..n_changed * WORD).unwrap_or_default());
+            // A copy of one length is a few instructions, one of any length is a call.
+            out.extend_from_slice(changed.as_flattened());
+            out.truncate(out.len() - (GROUP - n_changed) * WORD);
         }
         self.learn(clocks, before);
     }
@@ -85,7 +88,7 @@ impl LastWords {
         message: &mut Vec<u8>,
     ) -> Result<&'a [u8], CdrError> {
         let before = self.expect(clocks);
-        for group in self.words.chunks_mut(GROUP) {
+        for group in &mut self.groups {
             let [mask] = take(&mut packed)?;
             for (idx, word) in group.iter_mut().enumerate() {
                 if mask >> idx & 1 == 1 {
@@ -95,7 +98,7 @@ impl LastWords {
         }
         self.learn(clocks, before);
         let end = message.len() + self.n_bytes;
-        self.words.iter().for_each(|word| message.extend_from_slice(&word.to_le_bytes()));
+        self.groups.as_flattened().iter().for_each(|word| message.extend_from_slice(&word.to_le_bytes()));
         message.truncate(end);
         Ok(packed)
     }

@@ -114,16 +114,11 @@ pub fn put_grid(cdr: &mut CdrWriter, at: Stamped<'_>, grid: &Grid) {
     cdr.u32(grid.width());
     cdr.u32(grid.height());
     put_pose3(cdr, &lift(&grid.map_from_grid()));
-    let cells: Vec<u8> = grid
-        .cells
-        .iter()
-        .map(|log_odds| match grid.class_of(*log_odds) {
-            CellClass::Free => 0,
-            CellClass::Occupied => 100,
-            CellClass::Unknown => UNKNOWN,
-        })
-        .collect();
-    cdr.octets(&cells);
+    cdr.octets_of(grid.cells.iter().map(|log_odds| match grid.class_of(*log_odds) {
+        CellClass::Free => 0,
+        CellClass::Occupied => 100,
+        CellClass::Unknown => UNKNOWN,
+    }));
 }
 
 /// Where frames are: parent, child, and `parent_from_child`.
