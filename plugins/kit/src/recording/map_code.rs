@@ -142,6 +142,7 @@ pub fn put_map_hash(cdr: &mut CdrWriter, map: &Map) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::word_hash::hash_of;
     use super::*;
 
     fn map() -> Map {
@@ -169,6 +170,20 @@ mod tests {
         }
         for len in 0..cdr.bytes().len() {
             assert!(read_map(&cdr.bytes()[..len]).is_err(), "cut at {len}");
+        }
+    }
+
+    #[test]
+    fn a_hash_without_room_for_the_message_is_that_of_its_bytes() {
+        let mut cdr = CdrWriter::default();
+        for (width, height) in [(3, 2), (77, 31), (64, 64)] {
+            let mut map = map();
+            let grid = Grid::unknown(width, height, 0.1).unwrap();
+            map.coarse_grids = vec![grid.clone(), grid];
+            let put = |cdr: &mut CdrWriter| map.coarse_grids.iter().for_each(|grid| put_grid(cdr, grid));
+            put(cdr.begin());
+            let expected = hash_of(cdr.bytes());
+            assert_eq!(cdr.hash(put), expected);
         }
     }
 
