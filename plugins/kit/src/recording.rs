@@ -9,6 +9,7 @@ mod bag_index;
 mod bag_piece;
 mod bag_writer;
 pub mod cdr;
+mod cdr_writer;
 mod difference;
 mod header;
 pub mod layout;

@@ -71,7 +71,7 @@ pub const STEP: Layout = Layout {
            uint32[] contact_episodes\n",
 };
 
-/// A step: all its messages, [packed](super::packed_step). In recordings of schema 1 each had a topic of its own.
+/// A step: all its messages, [packed](super::StepPacker). In recordings of schema 1 each had a topic of its own.
 pub const PACKED_STEP: Layout = Layout { name: "rumbo_msgs/msg/PackedStep", text: "uint8[] packed\n" };
 
 /// How the run ended: written once, last.
