@@ -140,7 +140,7 @@ fn a_recording_that_is_cut_anywhere_is_replayed_up_to_the_cut() {
     let file = folder.join("cut.mcap");
     let steps = |len: usize| {
         std::fs::write(&file, &whole[..len]).unwrap();
-        let mut reader = rumbo_kit::recording::RecordingReader::open(&file).ok()?;
+        let mut reader = RecordingReader::open(&file).ok()?;
         let mut n_steps = 0;
         while reader.next_step().is_some_and(|step| step.mark.is_some()) {
             n_steps += 1;
