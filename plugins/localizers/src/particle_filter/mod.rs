@@ -30,6 +30,7 @@ pub mod streams;
 pub mod sureness;
 pub mod terrain;
 pub mod tracker_settings;
+mod unmapped;
 pub mod wishes;
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::anchor::Anchor;
 use super::beams::ScanBeams;
 use super::continuity::Continuity;
-use super::filter::{ParticleFilter, Weighed};
+use super::filter::{Fit, ParticleFilter, Weighed};
 use super::measurement::MeasurementModel;
 use super::odometry_history::{OdometryHistory, Reading, is_jump};
 use super::scan_queue::{PendingScan, ScanQueue};
@@ -11,6 +11,7 @@ use super::silence::Silence;
 use super::sureness::{Sureness, is_tight};
 use super::terrain::Terrain;
 use super::tracker_settings::{Counters, TrackerSettings};
+use super::unmapped::without_unmapped;
 use super::wishes::wish;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, lift};
@@ -150,9 +151,9 @@ impl MonteCarlo {
     fn prepare<'m>(&mut self, map: &'m Map) -> Result<&'m Grid, LocalizeError> {
         let grid = map.grid.as_ref().ok_or(LocalizeError::MissingLayer { layer: "grid" })?;
         if self.terrain.as_ref().is_none_or(|terrain| terrain.version != map.version) {
-            let TrackerSettings { init_clearance_m, penalties, .. } = self.settings;
+            let TrackerSettings { init_clearance_m, unmapped_beyond_m, penalties, .. } = self.settings;
             let model = self.model.as_ref();
-            self.terrain = Some(Terrain::new(map.version, grid, model, init_clearance_m, penalties));
+            self.terrain = Some(Terrain::new(map.version, grid, model, init_clearance_m, unmapped_beyond_m, penalties));
         }
         Ok(grid)
     }
@@ -254,7 +255,13 @@ impl MonteCarlo {
         }
         let beams: Vec<ScanBeams> = scans.iter().map(|scan| self.beams_of(scan, &odom_from_base)).collect();
         let Some(terrain) = &mut self.terrain else { return Ok(()) };
-        let weighed = self.filter.weigh(&beams, terrain);
+        let expected = self.anchor.as_ref().filter(|_| self.filter.fit() == Fit::Good);
+        let weighed = match expected.map(|anchor| anchor.expected_at(&odom_from_base)) {
+            Some((expected, _)) => {
+                self.filter.weigh(&without_unmapped(&beams, terrain, &expected), terrain)
+            }
+            None => self.filter.weigh(&beams, terrain),
+        };
         self.counters.count(weighed);
         self.is_first &= weighed == Weighed::Nothing;
         self.set_anchor(odom_from_base, Some(stamp), beams);
@@ -262,6 +269,10 @@ impl MonteCarlo {
         let status = self.sureness.status();
         let fit = self.anchor.as_ref().map(|anchor| self.settings.fit(anchor, terrain, status));
         self.filter.set_fit(fit.unwrap_or_default());
+        if std::env::var_os("PFLOG").is_some() && let Some(a) = &self.anchor {
+            let c: Vec<String> = a.clusters.iter().take(3).map(|c| format!("{:.2}@({:.2},{:.2},{:.0})±{:.2}", c.weight, c.map_from_base.translation.x, c.map_from_base.translation.y, c.map_from_base.rotation.angle().to_degrees(), c.deviation_m())).collect();
+            eprintln!("PF t={:.2} {:?} fit={:?} expl={:?} contr={:?} n={} rnd={:.3} neff={:.0} clusters={} {}", stamp.as_secs(), status, fit, a.explained.map(|v| (v*100.0).round()), terrain.contradicted(&a.scans, &a.map_from_base).map(|v| (v*100.0).round()), self.filter.particles().len(), self.filter.recovery().random_share(), self.filter.particles().effective_number(), a.clusters.len(), c.join(" "));
+        }
         if weighed != Weighed::Nothing && self.filter.needs_resampling() {
             self.filter.resample(terrain, grid);
         }
