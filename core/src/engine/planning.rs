@@ -89,6 +89,16 @@ impl Planning {
         events: &mut Vec<Event>,
     ) {
         let periodic = self.task.is_some_and(|task| schedule.take(task, at.now));
+        if nav.state == State::Navigating
+            && let Some(since) = nav.patience.take_due(at.now)
+        {
+            nav.needs_plan = true;
+            let n_obstacles = nav.memory.forget_unseen(at.map_from_base.translation.vector.into(), since);
+            if n_obstacles > 0 {
+                let reason = "nothing has seen them beside the robot since there was no way";
+                events.push(Event { stamp: at.now, kind: EventKind::Forgot { n_obstacles, reason } });
+            }
+        }
         if nav.state != State::Navigating {
             self.give_up();
         } else if (nav.needs_plan || (periodic && nav.path.is_some())) && self.running.is_none() {
@@ -206,6 +216,7 @@ impl Planning {
             PlanError::MissingLayer { .. } | PlanError::NotFinite { .. } | PlanError::Other(_) => {
                 Outcome::PlannerFailed(reason)
             }
+            _ if nav.memory.may_change() && nav.patience.no_way(at.now).is_some() => return,
             _ => Outcome::Unreachable(reason),
         };
         nav.end(at.now, outcome, events);

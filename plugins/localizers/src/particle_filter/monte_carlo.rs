@@ -153,7 +153,8 @@ impl MonteCarlo {
         if self.terrain.as_ref().is_none_or(|terrain| terrain.version != map.version) {
             let TrackerSettings { init_clearance_m, unmapped_beyond_m, penalties, .. } = self.settings;
             let model = self.model.as_ref();
-            self.terrain = Some(Terrain::new(map.version, grid, model, init_clearance_m, unmapped_beyond_m, penalties));
+            self.terrain =
+                Some(Terrain::new(map.version, grid, model, init_clearance_m, unmapped_beyond_m, penalties));
         }
         Ok(grid)
     }
@@ -257,9 +258,7 @@ impl MonteCarlo {
         let Some(terrain) = &mut self.terrain else { return Ok(()) };
         let expected = self.anchor.as_ref().filter(|_| self.filter.fit() == Fit::Good);
         let weighed = match expected.map(|anchor| anchor.expected_at(&odom_from_base)) {
-            Some((expected, _)) => {
-                self.filter.weigh(&without_unmapped(&beams, terrain, &expected), terrain)
-            }
+            Some((expected, _)) => self.filter.weigh(&without_unmapped(&beams, terrain, &expected), terrain),
             None => self.filter.weigh(&beams, terrain),
         };
         self.counters.count(weighed);
@@ -269,10 +268,6 @@ impl MonteCarlo {
         let status = self.sureness.status();
         let fit = self.anchor.as_ref().map(|anchor| self.settings.fit(anchor, terrain, status));
         self.filter.set_fit(fit.unwrap_or_default());
-        if std::env::var_os("PFLOG").is_some() && let Some(a) = &self.anchor {
-            let c: Vec<String> = a.clusters.iter().take(3).map(|c| format!("{:.2}@({:.2},{:.2},{:.0})±{:.2}", c.weight, c.map_from_base.translation.x, c.map_from_base.translation.y, c.map_from_base.rotation.angle().to_degrees(), c.deviation_m())).collect();
-            eprintln!("PF t={:.2} {:?} fit={:?} expl={:?} contr={:?} n={} rnd={:.3} neff={:.0} clusters={} {}", stamp.as_secs(), status, fit, a.explained.map(|v| (v*100.0).round()), terrain.contradicted(&a.scans, &a.map_from_base).map(|v| (v*100.0).round()), self.filter.particles().len(), self.filter.recovery().random_share(), self.filter.particles().effective_number(), a.clusters.len(), c.join(" "));
-        }
         if weighed != Weighed::Nothing && self.filter.needs_resampling() {
             self.filter.resample(terrain, grid);
         }

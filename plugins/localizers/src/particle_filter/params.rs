@@ -160,9 +160,11 @@ impl Params for ParticleFilterParams {
         ] {
             expect(positive(value), key, &value, "a finite number above 0");
         }
-        for (key, value) in
-            [("init_clearance_m", self.init_clearance_m), ("unmapped_beyond_m", self.unmapped_beyond_m), ("unknown_penalty", self.unknown_penalty)]
-        {
+        for (key, value) in [
+            ("init_clearance_m", self.init_clearance_m),
+            ("unmapped_beyond_m", self.unmapped_beyond_m),
+            ("unknown_penalty", self.unknown_penalty),
+        ] {
             expect(not_negative(value), key, &value, "a finite number, 0 or more");
         }
         let delta_fits = self.kld_delta > 0.0 && self.kld_delta < 1.0;

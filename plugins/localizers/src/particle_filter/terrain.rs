@@ -72,7 +72,8 @@ impl Terrain {
         let is_bare = |(distance2, cell): (u32, &f32)| {
             bare_beyond_m > 0.0 && f64::from(distance2) > reach && grid.class_of(*cell) == CellClass::Free
         };
-        let bare = squared_distance_field(size, &occupied).into_iter().zip(grid.cells.iter()).map(is_bare).collect();
+        let bare =
+            squared_distance_field(size, &occupied).into_iter().zip(grid.cells.iter()).map(is_bare).collect();
         Terrain {
             version,
             free: FreeSpace::of(grid, clearance_m),
@@ -113,7 +114,8 @@ impl Terrain {
             for (direction, range_m) in scan.hits(scan.max_range_m) {
                 n_hits += 1;
                 let ahead = map_from_base.rotation * nalgebra::Vector2::from(direction);
-                n_through += usize::from(self.is_blocked(sensor, sensor + ahead * (range_m - slack_m(range_m))));
+                n_through +=
+                    usize::from(self.is_blocked(sensor, sensor + ahead * (range_m - slack_m(range_m))));
             }
         }
         (n_hits > 0).then(|| n_through as f64 / n_hits as f64)

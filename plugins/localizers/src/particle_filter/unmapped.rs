@@ -27,6 +27,7 @@ fn of_one(scan: &ScanBeams, terrain: &Terrain, map_from_base: &Pose2) -> ScanBea
         terrain.is_bare(end) && !terrain.is_blocked(sensor, end + ahead * slack_m(range_m))
     };
     let beams = scan.directions.iter().copied().zip(scan.ranges_m.iter().copied());
-    let (directions, ranges_m) = beams.filter(|(direction, range_m)| !is_unmapped(*direction, *range_m)).unzip();
+    let (directions, ranges_m) =
+        beams.filter(|(direction, range_m)| !is_unmapped(*direction, *range_m)).unzip();
     ScanBeams { directions, ranges_m, ..*scan }
 }
