@@ -128,6 +128,7 @@ impl Navigator {
     pub fn stop(&mut self) -> Vec<Goal> {
         self.path = None;
         self.needs_plan = false;
+        self.patience.renew();
         self.memory.clear();
         self.goals.drain(..).collect()
     }

@@ -182,6 +182,31 @@ mod tests {
     }
 
     #[test]
+    fn what_a_beam_still_meets_counts_as_seen_and_what_passed_the_robot_by_is_forgotten() {
+        let here = pose2(0.0, 0.0, 0.0);
+        let left = |x: f64, y: f64, range_m: f32| {
+            let mut memory = memory_with(x, y, 5);
+            memory.look(&scan(9, range_m), &here);
+            memory.forget_unseen(Point2::origin(), Time(9));
+            memory.obstacles().len()
+        };
+        assert_eq!(left(0.8, 0.1, 0.7), 1, "still there");
+        assert_eq!(left(0.8, 0.1, 0.3), 0, "hidden");
+        assert_eq!(left(-0.8, 0.1, 0.7), 0, "behind the scanner");
+        assert_eq!(left(-1.2, 0.1, 0.7), 1, "not beside the robot");
+        assert_eq!(left(0.8, 0.1, f32::NAN), 0, "no reading sees nothing");
+    }
+
+    #[test]
+    fn waiting_is_of_use_only_where_something_may_go_away() {
+        assert!(memory_with(1.0, 0.0, 5).may_change());
+        assert!(!ObstacleMemory::new(&Mission::default()).may_change());
+        let mut by_age = ObstacleMemory::new(&Mission { forget_seen_through: false, ..Mission::default() });
+        by_age.add(&[Obstacle { position: Point2::origin(), radius_m: 0.0, stamp: Time(5) }], None);
+        assert!(!by_age.may_change());
+    }
+
+    #[test]
     fn points_of_one_cell_are_one_obstacle_and_age_together() {
         let grid = Grid::unknown(10, 10, 1.0).unwrap();
         let mut memory = memory_with(2.1, 2.1, 5);

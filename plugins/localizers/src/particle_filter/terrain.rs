@@ -155,17 +155,22 @@ impl Terrain {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::particle_filter::measurement::FieldModel;
     use rumbo_core::frames::pose2;
 
     /// A room of 4 m by 4 m with walls of one cell, from (0, 0).
     fn room() -> Terrain {
+        room_with(|_, _| false)
+    }
+
+    /// That room with more walls, by column and row.
+    pub fn room_with(is_wall_too: fn(usize, usize) -> bool) -> Terrain {
         let mut grid = Grid::unknown(40, 40, 0.1).unwrap();
         for (index, cell) in grid.cells.make_mut().iter_mut().enumerate() {
             let (col, row) = (index % 40, index / 40);
-            let is_wall = [col, row].iter().any(|place| *place == 0 || *place == 39);
+            let is_wall = [col, row].iter().any(|place| *place == 0 || *place == 39) || is_wall_too(col, row);
             *cell = if is_wall { Grid::CERTAIN } else { -Grid::CERTAIN };
         }
         let penalties = Penalties { occupied: 50.0, unknown: 5.0 };

@@ -31,3 +31,40 @@ fn of_one(scan: &ScanBeams, terrain: &Terrain, map_from_base: &Pose2) -> ScanBea
         beams.filter(|(direction, range_m)| !is_unmapped(*direction, *range_m)).unzip();
     ScanBeams { directions, ranges_m, ..*scan }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::terrain::tests::room_with;
+    use super::*;
+    use rumbo_core::frames::pose2;
+
+    /// Ranges that are left of four beams, ahead, to the left, back and to the right, in a room of 4 m by 4 m with a wall
+    /// across it, 1 m from its top.
+    fn left(ranges_m: [f64; 4], at: [f64; 3]) -> Vec<f64> {
+        let directions = vec![[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
+        let scan =
+            ScanBeams { origin: [0.0, 0.0], directions, ranges_m: ranges_m.to_vec(), max_range_m: 8.0 };
+        let [x, y, yaw] = at;
+        let scans = without_unmapped(&[scan], &room_with(|_, row| row == 30), &pose2(x, y, yaw));
+        assert_eq!(scans[0].directions.len(), scans[0].ranges_m.len());
+        scans[0].ranges_m.clone()
+    }
+
+    #[test]
+    fn only_beams_that_end_in_sight_on_bare_floor_are_left_out() {
+        let here = [2.0, 1.0, 0.0];
+        assert_eq!(left([1.9, 2.0, 1.9, 0.9], here), [1.9, 2.0, 1.9, 0.9]);
+        assert_eq!(left([0.6, 1.2, 1.2, 0.9], here), [0.9], "people before the walls");
+        assert_eq!(left([1.5, 1.6, 1.6, 0.6], here), [1.5, 1.6, 1.6, 0.6], "known to some centimeters");
+        assert_eq!(left([f64::INFINITY, 8.0, 1.9, 0.9], here), [f64::INFINITY, 8.0, 1.9, 0.9]);
+        let turned = [1.0, 1.0, std::f64::consts::FRAC_PI_2];
+        assert_eq!(left([2.0, 0.9, 0.9, 0.6], turned), [2.0, 0.9, 0.9]);
+    }
+
+    #[test]
+    fn beams_that_are_too_long_stay_and_tell_of_a_wrong_place() {
+        let here = [2.0, 1.0, 0.0];
+        assert_eq!(left([3.0, 2.0, 2.5, 0.9], here), [3.0, 2.0, 2.5, 0.9], "off the map");
+        assert_eq!(left([1.9, 2.5, 1.9, 0.9], here), [1.9, 2.5, 1.9, 0.9], "bare floor behind a wall");
+    }
+}
