@@ -174,7 +174,7 @@ pub(super) mod tests {
             *cell = if is_wall { Grid::CERTAIN } else { -Grid::CERTAIN };
         }
         let penalties = Penalties { occupied: 50.0, unknown: 5.0 };
-        Terrain::new(1, &grid, &FieldModel::default(), 0.2, 0.5, penalties)
+        Terrain::new(1, &grid, &FieldModel::default(), 0.2, 0.2, penalties)
     }
 
     fn beams(ranges_m: [f64; 4]) -> [ScanBeams; 1] {
