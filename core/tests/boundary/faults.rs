@@ -91,12 +91,11 @@ fn a_panic_in_drop_goes_no_further() {
 
 /// A record that lives as long as the program, where a leak check can find it.
 fn kept(record: rumbo_module) -> *const rumbo_module {
-    struct Kept(#[expect(dead_code)] Box<rumbo_module>);
+    struct Kept(#[expect(dead_code)] *const rumbo_module);
     unsafe impl Send for Kept {}
     static KEPT: Mutex<Vec<Kept>> = Mutex::new(Vec::new());
-    let record = Box::new(record);
-    let at = std::ptr::from_ref(record.as_ref());
-    KEPT.lock().unwrap().push(Kept(record));
+    let at: *const rumbo_module = Box::into_raw(Box::new(record));
+    KEPT.lock().unwrap().push(Kept(at));
     at
 }
 
