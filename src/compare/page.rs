@@ -104,8 +104,7 @@ fn figures(body: &mut String, standings: &[Standing]) {
     let common = |s: &Standing| s.common_time_s.map_or("–".into(), |time_s| format!("{time_s:.1}"));
     row(body, "td", "time where all arrived, s", standings.iter().map(common));
     for part in Part::ALL {
-        let cell =
-            |s: &Standing| s.cpu_s.get(part.name()).map_or("–".into(), |v| format!("{:.1}", v * 1e3));
+        let cell = |s: &Standing| shown(s.cpu_s.get(part.name()), |v| format!("{:.1}", v * 1e3));
         let name = format!("CPU {}, ms a run", part.name().replace('_', " "));
         row(body, "td", &name, standings.iter().map(cell));
     }

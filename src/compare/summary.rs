@@ -4,7 +4,7 @@ use super::design::{Design, Run};
 use super::figures::FIGURES;
 use super::pareto::{OBJECTIVES, mark};
 use super::result::RunResult;
-use super::statistics::{Interval, bootstrap_mean, mean, wilson};
+use super::statistics::{Interval, bootstrap_mean, mean, paired_change, wilson};
 use rumbo_core::engine::Part;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -48,7 +48,7 @@ pub struct Standing {
     /// missions is not quicker for it.
     pub common_time_s: Option<f64>,
     /// Mean time used by each part of the steps, seconds of one run; of runs that drove.
-    pub cpu_s: BTreeMap<&'static str, f64>,
+    pub cpu_s: BTreeMap<&'static str, Estimate>,
     /// No other alternative is better in one objective without being worse in another.
     pub is_pareto: bool,
 }
@@ -70,7 +70,7 @@ pub struct Difference {
     pub from: String,
     /// The second.
     pub to: String,
-    /// Change of the success rate.
+    /// Change of the success rate, with Newcombe's interval for pairs.
     pub success: Option<Estimate>,
     /// Change of each figure, over the pairs in which both have it.
     pub figures: BTreeMap<&'static str, Estimate>,
@@ -127,7 +127,7 @@ fn standing(design: &Design, name: String, runs: &[(&Run, &RunResult)]) -> Stand
     });
     let cpu = Part::ALL.iter().filter_map(|part| {
         let sample: Vec<f64> = outcomes().map(|outcome| outcome.cpu_s(*part)).collect();
-        Some((part.name(), mean(&sample)?))
+        Some((part.name(), estimate(&sample, part.name())?))
     });
     let share = |place: usize| {
         let here = || runs.iter().filter(|(run, _)| run.place == place);
@@ -164,14 +164,14 @@ fn difference(
         second.iter().map(|(run, result)| (run.setting(), *result)).collect();
     let pairs: Vec<(&RunResult, &RunResult)> =
         first.iter().filter_map(|(run, result)| Some((*result, *by_setting.get(&run.setting())?))).collect();
-    let share = |result: &RunResult| f64::from(u8::from(result.is_success()));
-    let successes: Vec<f64> = pairs.iter().map(|(a, b)| share(b) - share(a)).collect();
+    let successes: Vec<(bool, bool)> = pairs.iter().map(|(a, b)| (a.is_success(), b.is_success())).collect();
+    let success = paired_change(&successes).map(|interval| Estimate { n: successes.len(), interval });
     let figures = FIGURES.iter().filter_map(|figure| {
         let changes: Vec<f64> =
             pairs.iter().filter_map(|(a, b)| Some(figure.of(b)? - figure.of(a)?)).collect();
         Some((figure.key, estimate(&changes, figure.key)?))
     });
-    Difference { from, to, success: estimate(&successes, "success"), figures: figures.collect() }
+    Difference { from, to, success, figures: figures.collect() }
 }
 
 #[cfg(test)]

@@ -63,7 +63,9 @@ fn rows(text: &mut String, letters: &[String], group: &[Standing]) {
     let common = |s: &Standing| s.common_time_s.map_or("-".into(), |time_s| format!("{time_s:.1}"));
     row(text, "time where all arrived, s", group.iter().map(common));
     for part in Part::ALL {
-        let cell = |s: &Standing| s.cpu_s.get(part.name()).map_or("-".into(), |v| format!("{:.1}", v * 1e3));
+        let cell = |s: &Standing| {
+            s.cpu_s.get(part.name()).map_or("-".into(), |v| format!("{:.1}", v.interval.value * 1e3))
+        };
         row(text, &format!("CPU {}, ms", part.name().replace('_', " ")), group.iter().map(cell));
     }
     let mut ends: Vec<&String> = group.iter().flat_map(|s| s.ends.keys()).collect();
