@@ -3,4 +3,9 @@
 
 mod compiler;
 mod header;
+mod broken;
+mod first_abi;
+mod growth;
+mod misbehaving;
+mod runs;
 mod same_answers;

@@ -57,8 +57,8 @@ impl Slam for DynSlam {
         let mut out = rumbo_bytes_out { size, ctx: bytes.begin(), push: Some(push_bytes) };
         // SAFETY: a function of the instance's own table, with an output that lives until it returns.
         self.instance.look::<SlamError>(|this, error| unsafe { save(this, &raw mut out, error) })?;
-        if bytes.is_too_much {
-            return Err(SlamError::Other(self.instance.nonsense("a state of more than 16 MB")));
+        if let Some(fault) = bytes.fault("a saved state") {
+            return Err(SlamError::Other(self.instance.nonsense(fault)));
         }
         Ok(bytes.items)
     }
