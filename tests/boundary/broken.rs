@@ -100,14 +100,16 @@ fn a_record_that_is_too_small_is_refused() {
     record_refused(
         "small_module",
         &["MODULE_SIZE=40"],
-        "its record says to have 40 bytes, expected at least 72; it is damaged or built by hand wrongly",
+        "its record says to have 40 bytes, expected at least 64; it is damaged or built by hand wrongly",
     );
 }
 
 #[test]
 fn a_wrong_number_of_entries_is_refused() {
     let wrong = |says: &str, has: &str| {
-        format!("its record says {says} entries, but its list has {has}; it is damaged or built by hand wrongly")
+        format!(
+            "its record says {says} entries, but its list has {has}; it is damaged or built by hand wrongly"
+        )
     };
     record_refused("too_many", &["N_ENTRIES=3"], &wrong("3", "1"));
     record_refused("too_few", &["N_ENTRIES=1", "LIST=&whole.entry, &whole.entry, NULL"], &wrong("1", "more"));
@@ -172,7 +174,7 @@ fn a_schema_or_defaults_that_cannot_be_read_are_refused() {
     record_refused(
         "defaults",
         &[r#"DEFAULTS="= 3""#],
-        "its entry 0 (`spoiled`) has defaults that are no TOML: string values must be quoted, expected literal string",
+        "its entry 0 (`spoiled`) has defaults that are no TOML: unquoted keys cannot be empty, expected letters, numbers, `-`, `_`",
     );
 }
 
@@ -200,7 +202,9 @@ fn files_that_are_no_library_are_refused() {
     );
     let found = said(&folder).unwrap_err();
     assert!(
-        found.starts_with("cannot load FILE: is a folder, expected the shared library itself; it has FILE/empty.so"),
+        found.starts_with(
+            "cannot load FILE: is a folder, expected the shared library itself; it has FILE/empty.so"
+        ),
         "{found}"
     );
 }
@@ -233,7 +237,10 @@ fn a_library_for_another_machine_is_refused() {
     // `e_machine` lies 18 bytes into an ELF file; 21 is 64-bit PowerPC.
     let path = changed("machine", |bytes| bytes[18..20].copy_from_slice(&[21, 0]));
     let found = said(&path).unwrap_err();
-    assert!(found.starts_with("cannot load FILE: is built for Elf on PowerPc64, this program runs on Elf on "), "{found}");
+    assert!(
+        found.starts_with("cannot load FILE: is built for Elf on PowerPc64, this program runs on Elf on "),
+        "{found}"
+    );
     assert!(found.ends_with("; build the plugin for this target"), "{found}");
 }
 
@@ -247,7 +254,8 @@ fn a_library_that_is_cut_off_anywhere_is_refused() {
         *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         Some((*seed >> 33) as usize % whole.len())
     });
-    let lengths = [1, 4, 15, 16, 63, 64, 65, 120, 4096, whole.len() / 2, whole.len() - 1].into_iter().chain(scattered);
+    let lengths =
+        [1, 4, 15, 16, 63, 64, 65, 120, 4096, whole.len() / 2, whole.len() - 1].into_iter().chain(scattered);
     for length in lengths {
         let path = folder.join(format!("libcut{length}.so"));
         std::fs::write(&path, &whole[..length]).unwrap();
@@ -263,7 +271,11 @@ fn a_library_that_is_cut_off_anywhere_is_refused() {
 fn a_library_whose_own_library_is_missing_is_refused() {
     let folder = compiler::folder("stub");
     let source = folder.join("stub.c");
-    std::fs::write(&source, "int stub(void);\n__attribute__((visibility(\"default\"))) int stub(void) { return 7; }\n").unwrap();
+    std::fs::write(
+        &source,
+        "int stub(void);\n__attribute__((visibility(\"default\"))) int stub(void) { return 7; }\n",
+    )
+    .unwrap();
     let stub = compiler::library(&source, Language::C, &[], "rumbo_stub");
     let source = compiler::root().join("tests/boundary/fixtures/record.c");
     let search = format!("-L{}", stub.parent().unwrap().display());
@@ -287,10 +299,15 @@ fn a_library_that_calls_what_nobody_has_is_refused() {
 #[test]
 fn another_checksum_is_refused_and_the_right_one_is_not() {
     let path = record("checksum", &[]);
-    let load = |sum: &str| rumbo::registry().unwrap().load(&path, Some(sum)).map(|library| library.info.sha256.clone());
+    let load = |sum: &str| {
+        rumbo::registry().unwrap().load(&path, Some(sum)).map(|library| library.info.sha256.clone())
+    };
     let zeros = "0".repeat(64);
     let found = load(&zeros).unwrap_err().to_string();
-    assert!(found.contains("has the SHA-256 ") && found.contains(&format!(", expected {zeros}; ")), "{found}");
+    assert!(
+        found.contains("has the SHA-256 ") && found.contains(&format!(", expected {zeros}; ")),
+        "{found}"
+    );
     let loaded = rumbo::registry().unwrap().load(&path, None).unwrap().info.sha256.clone();
     assert_eq!(load(&loaded.to_uppercase()).unwrap(), loaded);
     let again = load(&zeros).unwrap_err().to_string();
@@ -313,10 +330,13 @@ fn a_name_that_is_taken_is_refused_with_both_files() {
     let mut registry = Registry::default();
     registry.load(&first, None).unwrap();
     let found = registry.load(&second, None).unwrap_err().to_string();
-    let [first, second] = [first, second].map(|path| std::fs::canonicalize(path).unwrap().display().to_string());
+    let [first, second] =
+        [first, second].map(|path| std::fs::canonicalize(path).unwrap().display().to_string());
     assert_eq!(
         found,
-        format!("two planner plugins are called `spoiled`: one in {first}, one in {second}; rename or remove one")
+        format!(
+            "two planner plugins are called `spoiled`: one in {first}, one in {second}; rename or remove one"
+        )
     );
 }
 

@@ -15,15 +15,14 @@ fn library(name: &str, flags: &[&str]) -> PathBuf {
 const SENSOR: (&str, &str) = ("sensor", "plugin = \"frozen_beams\"");
 const PLANNER: (&str, &str) = ("planner", "plugin = \"frozen_straight\"");
 const AVOIDER: (&str, &str) = ("avoider", "plugin = \"frozen_ahead\"");
-const ENDLESS: (&str, &str) = ("duration_s = 4.0\n", "");
 
 #[test]
 fn plugins_of_the_first_abi_drive_a_robot() {
     let registry = runs::registry(&[&library("frozen", &[])]);
     let localizer = ("localizer", "plugin = \"frozen_odometry\"");
     let builder = ("map_builder", "plugin = \"frozen_floor\"");
-    let text = runs::floor(&[SENSOR, PLANNER, AVOIDER, localizer, builder]).replace(ENDLESS.0, ENDLESS.1);
-    let (told, end) = runs::run(&text, &registry).unwrap();
+    let text = runs::floor(&[SENSOR, PLANNER, AVOIDER, localizer, builder]);
+    let (told, end) = runs::run(&text, &registry, 60.0).unwrap();
     assert_eq!(end.reason, EndReason::Arrived, "{:?}", told.events);
     assert!(told.failures.is_empty(), "{:?}", told.failures);
     assert!(told.n_ranges.len() > 20 && told.n_ranges.iter().all(|n| *n == 181), "{:?}", told.n_ranges);
@@ -33,11 +32,11 @@ fn plugins_of_the_first_abi_drive_a_robot() {
 #[test]
 fn slam_of_the_first_abi_drives_a_robot() {
     let registry = runs::registry(&[&library("frozen_slam", &[])]);
-    let text = runs::floor(&[SENSOR, PLANNER, AVOIDER]).replace(ENDLESS.0, ENDLESS.1);
+    let text = runs::floor(&[SENSOR, PLANNER, AVOIDER]);
     let (before, after) = text.split_once("[map_builder]").unwrap();
     let (_, after) = after.split_once("[planner]").unwrap();
     let text = format!("{before}[slam]\nplugin = \"frozen_both\"\n\n[planner]{after}");
-    let (told, end) = runs::run(&text, &registry).unwrap();
+    let (told, end) = runs::run(&text, &registry, 60.0).unwrap();
     assert_eq!(end.reason, EndReason::Arrived, "{:?}", told.events);
     assert!(told.first_cell.unwrap() > 10.0, "{:?}", told.first_cell);
 }

@@ -25,8 +25,8 @@ fn a_plugin_of_a_later_minor_with_larger_structs_runs() {
     let registry = runs::registry(&[&record("later", &flags)]);
     let entry = registry.get(Stage::Planner, "from_later").unwrap();
     assert_eq!(entry.library.as_ref().unwrap().abi, (1, 7));
-    let text = runs::floor(&[("planner", "plugin = \"from_later\"")]).replace("duration_s = 4.0", "");
-    let (told, end) = runs::run(&text, &registry).unwrap();
+    let text = runs::floor(&[("planner", "plugin = \"from_later\"")]);
+    let (told, end) = runs::run(&text, &registry, 60.0).unwrap();
     assert_eq!(end.reason, EndReason::Arrived, "{:?}", told.events);
 }
 
@@ -49,6 +49,7 @@ fn functions_of_an_entry_that_ends_before_them_are_absent() {
 #[test]
 fn a_table_that_ends_before_a_function_that_it_needs_is_refused() {
     let flags = ["-DTABLE_SIZE=offsetof(rumbo_planner_table,plan)"];
-    let error = rumbo::registry().unwrap().load(&record("short_table", &flags), None).unwrap_err().to_string();
+    let error =
+        rumbo::registry().unwrap().load(&record("short_table", &flags), None).unwrap_err().to_string();
     assert!(error.ends_with("its entry 0 (`spoiled`) has no function `plan` in its table"), "{error}");
 }

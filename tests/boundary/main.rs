@@ -1,11 +1,11 @@
 //! Plugins through the binary boundary: ours, other people's, and broken ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, unsafe_code, missing_docs)]
 
-mod compiler;
-mod header;
 mod broken;
+mod compiler;
 mod first_abi;
 mod growth;
+mod header;
 mod misbehaving;
 mod runs;
 mod same_answers;

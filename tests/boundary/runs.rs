@@ -11,7 +11,6 @@ use std::sync::atomic::AtomicBool;
 const FLOOR: &str = r#"
 name = "boundary"
 seed = 1
-duration_s = 4.0
 
 [robot]
 drive = { kind = "differential", track_m = 0.36 }
@@ -73,8 +72,6 @@ pub struct Told {
     pub failures: Vec<(String, String)>,
     /// Fastest command, m/s and rad/s; not-a-number where one was.
     pub fastest: f64,
-    /// Fastest command in and after the first step with a failure.
-    pub fastest_after_failure: f64,
     /// The first cell of the grid at the end.
     pub first_cell: Option<f32>,
     /// Number of ranges of every scan.
@@ -93,22 +90,12 @@ impl Observer for Told {
         let speed = [twist.forward_m_s, twist.left_m_s, twist.turn_rad_s].map(f64::abs);
         let speed = speed.into_iter().fold(0.0, |a, b| if b.is_nan() || b > a { b } else { a });
         self.fastest = if speed > self.fastest || speed.is_nan() { speed } else { self.fastest };
-        if !self.failures.is_empty() {
-            self.fastest_after_failure = self.fastest_after_failure.max(speed);
-        }
         self.first_cell = view.map.grid.as_ref().and_then(|grid| grid.cells.first().copied());
         for seen in view.observations {
             if let rumbo_core::messages::Data::LaserScan(scan) = &seen.data {
                 self.n_ranges.push(scan.ranges_m.len());
             }
         }
-    }
-}
-
-impl Told {
-    /// Whether an event holds these words.
-    pub fn says(&self, words: &str) -> bool {
-        self.events.iter().any(|event| event.contains(words))
     }
 }
 
@@ -121,10 +108,13 @@ pub fn registry(libraries: &[&Path]) -> Registry {
     registry
 }
 
-/// Runs a pipeline from its text, as if it lay beside those that we ship; the error is that of the building.
-pub fn run(text: &str, registry: &Registry) -> Result<(Told, RunEnd), String> {
+/// Runs a pipeline from its text for at most so many seconds, as if it lay beside those that we ship; the error is that
+/// of the building.
+pub fn run(text: &str, registry: &Registry, limit_s: f64) -> Result<(Told, RunEnd), String> {
     let path = compiler::root().join("pipelines/boundary.toml");
-    let ready = load::from_text(&path, text, &[], registry).map_err(|refused| refused.to_json().to_string())?;
+    let mut ready =
+        load::from_text(&path, text, &[], registry).map_err(|refused| refused.to_json().to_string())?;
+    ready.limit(limit_s);
     let mut engine = Engine::build(&ready.pipeline).map_err(|error| error.to_string())?;
     let mut told = Told::default();
     let end = engine.run(&mut [&mut told], &AtomicBool::new(false));

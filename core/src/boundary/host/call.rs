@@ -75,7 +75,10 @@ impl Instance {
                 let what = format!("panicked: {}", self.error.words(RUMBO_PANIC));
                 Err(self.poison(what))
             }
-            code => Err(E::from_code(code, &self.error)),
+            code => {
+                name_the_silent(&mut self.error, code, &self.who);
+                Err(E::from_code(code, &self.error))
+            }
         }
     }
 
@@ -91,7 +94,10 @@ impl Instance {
         match function(self.this.cast_const(), &raw mut error) {
             RUMBO_OK => Ok(()),
             RUMBO_PANIC => Err(self.poison(format!("panicked: {}", error.words(RUMBO_PANIC)))),
-            code => Err(E::from_code(code, &error)),
+            code => {
+                name_the_silent(&mut error, code, &self.who);
+                Err(E::from_code(code, &error))
+            }
         }
     }
 
@@ -104,6 +110,13 @@ impl Instance {
     /// An answer that does not hold together.
     pub fn nonsense(&self, what: impl std::fmt::Display) -> String {
         format!("{} gave an answer that does not hold together: {what}", self.who)
+    }
+}
+
+/// Says who failed where the plugin says nothing.
+fn name_the_silent(error: &mut rumbo_error, code: i32, who: &Who) {
+    if error.message().is_empty() {
+        error.say(&format!("{who} failed with status {code} and said nothing"));
     }
 }
 
