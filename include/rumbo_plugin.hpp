@@ -93,7 +93,8 @@ private:
 
 /* What every stage has; hide `manifest` with one of your own where the plugin needs or gives something. */
 struct stage {
-    virtual ~stage() = default;
+    /* May throw, so that what an author's destructor throws can be caught; else it would end the program. */
+    virtual ~stage() noexcept(false) {}
     static void manifest(rumbo_manifest &) {}
 };
 

@@ -3,9 +3,13 @@
 
 mod broken;
 mod compiler;
+mod cpp;
 mod first_abi;
 mod growth;
 mod header;
 mod misbehaving;
 mod runs;
 mod same_answers;
+#[path = "../laws/text_world.rs"]
+mod text_world;
+mod third_party_c;
