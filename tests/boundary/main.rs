@@ -10,6 +10,5 @@ mod header;
 mod misbehaving;
 mod runs;
 mod same_answers;
-#[path = "../laws/text_world.rs"]
 mod text_world;
 mod third_party_c;

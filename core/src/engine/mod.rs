@@ -16,6 +16,7 @@ mod observer;
 mod obstacles;
 mod order;
 mod orders;
+mod patience;
 mod planning;
 mod ring;
 mod run;

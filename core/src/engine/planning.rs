@@ -89,6 +89,9 @@ impl Planning {
         events: &mut Vec<Event>,
     ) {
         let periodic = self.task.is_some_and(|task| schedule.take(task, at.now));
+        if let Some(since) = nav.patience.take_due(at.now) {
+            ask_again(since, nav, at, events);
+        }
         if nav.state != State::Navigating {
             self.give_up();
         } else if (nav.needs_plan || (periodic && nav.path.is_some())) && self.running.is_none() {
@@ -207,9 +210,20 @@ impl Planning {
             PlanError::MissingLayer { .. } | PlanError::NotFinite { .. } | PlanError::Other(_) => {
                 Outcome::PlannerFailed(reason)
             }
+            _ if nav.memory.may_change() && nav.patience.no_way(at.now).is_some() => return,
             _ => Outcome::Unreachable(reason),
         };
         nav.end(at.now, outcome, events);
+    }
+}
+
+/// The robot has stood without a way since then: somebody may have walked by.
+fn ask_again(since: Time, nav: &mut Navigator, at: &Situation<'_>, events: &mut Vec<Event>) {
+    nav.needs_plan = nav.state == State::Navigating;
+    let n_obstacles = nav.memory.forget_unseen(at.map_from_base.translation.vector.into(), since);
+    if n_obstacles > 0 {
+        let reason = "nothing has seen them beside the robot since there was no way";
+        events.push(Event { stamp: at.now, kind: EventKind::Forgot { n_obstacles, reason } });
     }
 }
 
