@@ -3,8 +3,8 @@
 
 use super::super::abi::*;
 use super::super::convert::{
-    CArray, Hold, intrinsics_of, marks_from, observations_from, rumbo_pose3_of, slice, string_from, text_of,
-    twist_from,
+    CArray, Hold, intrinsics_of, marks_from, observations_from, read, rumbo_pose3_of, slice, string_from,
+    text_of, twist_from,
 };
 use super::host;
 use crate::boundary::Buffer;
@@ -154,12 +154,12 @@ impl World for HostWorld {
             }),
             RUMBO_ANSWER_POSITION => Answer::Position(a.position_m),
             RUMBO_ANSWER_MARKS => {
-                self.marks = unsafe { marks_from(&a.marks) }.map_err(|b| odd(&b.0))?;
+                let marks = unsafe { read(a.marks) }.ok_or_else(|| odd("no marks"))?;
+                self.marks = unsafe { marks_from(&marks) }.map_err(|b| odd(&b.0))?;
                 Answer::Marks(&self.marks)
             }
             RUMBO_ANSWER_RECORDED => {
-                unsafe { observations_from(&raw const a.recorded, &mut self.recorded) }
-                    .map_err(|b| odd(&b.0))?;
+                unsafe { observations_from(a.recorded, &mut self.recorded) }.map_err(|b| odd(&b.0))?;
                 Answer::Recorded(&self.recorded)
             }
             RUMBO_ANSWER_LIVE => Answer::Live,

@@ -8,7 +8,7 @@ use crate::stages::{Cx, GiveUp};
 use crate::time::Time;
 use crate::trace::Trace;
 use std::ffi::c_void;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Which plugin of which file, for messages.
 #[derive(Debug, Clone)]
@@ -30,7 +30,7 @@ pub(super) struct Instance {
     this: *mut c_void,
     destroy: Option<unsafe extern "C" fn(*mut c_void)>,
     who: Who,
-    poisoned: Option<String>,
+    poisoned: OnceLock<String>,
     error: Box<rumbo_error>,
     // What was handed over when the instance was made and lives as long as it.
     _rng: Box<Rng>,
@@ -57,7 +57,7 @@ impl Instance {
         kept: Kept,
     ) -> Instance {
         let error = Box::new(rumbo_error::none());
-        Instance { this, destroy, who, poisoned: None, error, _rng: kept.rng, _abort: kept.abort }
+        Instance { this, destroy, who, poisoned: OnceLock::new(), error, _rng: kept.rng, _abort: kept.abort }
     }
 
     /// Calls one of its functions.
@@ -65,7 +65,7 @@ impl Instance {
         &mut self,
         function: impl FnOnce(*mut c_void, *mut rumbo_error) -> i32,
     ) -> Result<(), E> {
-        if let Some(before) = &self.poisoned {
+        if let Some(before) = self.poisoned.get() {
             return Err(E::other(format!("{} is not called again: it {before}", self.who)));
         }
         self.error.clear();
@@ -73,11 +73,12 @@ impl Instance {
             RUMBO_OK => Ok(()),
             RUMBO_PANIC => {
                 let what = format!("panicked: {}", self.error.words(RUMBO_PANIC));
-                let error = E::other(format!("{} {what}", self.who));
-                self.poisoned = Some(what);
-                Err(error)
+                Err(self.poison(what))
             }
-            code => Err(E::from_code(code, &self.error)),
+            code => {
+                name_the_silent(&mut self.error, code, &self.who);
+                Err(E::from_code(code, &self.error))
+            }
         }
     }
 
@@ -86,20 +87,36 @@ impl Instance {
         &self,
         function: impl FnOnce(*const c_void, *mut rumbo_error) -> i32,
     ) -> Result<(), E> {
-        if let Some(before) = &self.poisoned {
+        if let Some(before) = self.poisoned.get() {
             return Err(E::other(format!("{} is not called again: it {before}", self.who)));
         }
         let mut error = rumbo_error::none();
         match function(self.this.cast_const(), &raw mut error) {
             RUMBO_OK => Ok(()),
-            RUMBO_PANIC => Err(E::other(format!("{} panicked: {}", self.who, error.words(RUMBO_PANIC)))),
-            code => Err(E::from_code(code, &error)),
+            RUMBO_PANIC => Err(self.poison(format!("panicked: {}", error.words(RUMBO_PANIC)))),
+            code => {
+                name_the_silent(&mut error, code, &self.who);
+                Err(E::from_code(code, &error))
+            }
         }
+    }
+
+    fn poison<E: SaysOther>(&self, what: String) -> E {
+        let error = E::other(format!("{} {what}", self.who));
+        let _ = self.poisoned.set(what);
+        error
     }
 
     /// An answer that does not hold together.
     pub fn nonsense(&self, what: impl std::fmt::Display) -> String {
         format!("{} gave an answer that does not hold together: {what}", self.who)
+    }
+}
+
+/// Says who failed where the plugin says nothing.
+fn name_the_silent(error: &mut rumbo_error, code: i32, who: &Who) {
+    if error.message().is_empty() {
+        error.say(&format!("{who} failed with status {code} and said nothing"));
     }
 }
 
@@ -133,23 +150,34 @@ pub(super) struct Pushed<T> {
     /// What has come.
     pub items: Vec<T>,
     /// More than anybody can mean.
-    pub is_too_much: bool,
+    is_too_much: bool,
+    /// A list that points nowhere.
+    is_broken: bool,
 }
 
-/// Elements at most: a plugin that pushes for ever must not eat the memory.
-const MOST_PUSHED: usize = 1 << 24;
+/// Bytes at most: a plugin that pushes for ever must not eat the memory.
+const MOST_PUSHED: usize = 64 << 20;
 
 impl<T: Copy> Pushed<T> {
     /// Nothing yet.
     pub fn new() -> Pushed<T> {
-        Pushed { items: Vec::new(), is_too_much: false }
+        Pushed { items: Vec::new(), is_too_much: false, is_broken: false }
     }
 
     /// Forgets everything; hands out the pointer for `push`.
     pub fn begin(&mut self) -> *mut c_void {
         self.items.clear();
-        self.is_too_much = false;
+        (self.is_too_much, self.is_broken) = (false, false);
         std::ptr::from_mut(self).cast()
+    }
+
+    /// What is wrong with what was pushed, if anything.
+    pub fn fault(&self, what: &str) -> Option<String> {
+        match (self.is_too_much, self.is_broken) {
+            (true, _) => Some(format!("{what} without end (more than {} MB)", MOST_PUSHED >> 20)),
+            (_, true) => Some(format!("{what} that points nowhere")),
+            _ => None,
+        }
     }
 
     /// Appends: what the `push` of the ABI's outputs does.
@@ -160,9 +188,13 @@ impl<T: Copy> Pushed<T> {
         // SAFETY: as promised by the caller.
         unsafe {
             let Some(pushed) = ctx.cast::<Pushed<T>>().as_mut() else { return };
-            let Ok(items) = super::super::convert::slice(first, len) else { return };
-            if pushed.items.len().saturating_add(len) > MOST_PUSHED {
+            let Ok(items) = super::super::convert::slice(first, len) else {
+                pushed.is_broken = true;
+                return;
+            };
+            if pushed.is_too_much || size_of_val(items) + size_of_val(pushed.items.as_slice()) > MOST_PUSHED {
                 pushed.is_too_much = true;
+                pushed.items = Vec::new();
             } else {
                 pushed.items.extend_from_slice(items);
             }
