@@ -2,7 +2,9 @@
 
 use crate::exit::Failure;
 use crate::terminal::Terminal;
-use crate::{check, compare, completions, config, eval, load, map, plot, plugins, replay, run, schema, test};
+use crate::{
+    check, compare, completions, config, eval, load, map, new, plot, plugins, replay, run, schema, test,
+};
 use clap::{Parser, Subcommand};
 use rumbo_core::boundary::host::on_log;
 use std::path::PathBuf;
@@ -47,6 +49,7 @@ enum Verb {
     Config(config::Args),
     Schema(schema::Args),
     Plugins(plugins::Args),
+    New(new::Args),
     Test(test::Args),
     Replay(replay::Args),
     Compare(compare::Args),
@@ -72,6 +75,7 @@ pub fn main() -> ExitCode {
         Verb::Config(args) => config::run(args, &terminal),
         Verb::Schema(args) => schema::run(args, &terminal),
         Verb::Plugins(args) => plugins::run(args, &terminal),
+        Verb::New(args) => new::run(args, &terminal),
         Verb::Test(args) => test::run(args, &terminal),
         Verb::Replay(args) => replay::run(args, &terminal),
         Verb::Compare(args) => compare::run(args, &terminal),

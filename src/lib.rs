@@ -21,6 +21,7 @@ pub mod eval;
 pub mod exit;
 pub mod load;
 pub mod map;
+pub mod new;
 pub mod outcome;
 pub mod picture;
 pub mod plot;

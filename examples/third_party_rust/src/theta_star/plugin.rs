@@ -85,15 +85,8 @@ impl ThetaStarPlanner {
         let mut way = vec![in_cells(start)];
         way.extend(corners.iter().map(|cell| self.floor.middle(*cell)));
         way.push(in_cells(goal));
-        for middle in [1, way.len() - 2] {
-            // After the first went away, the last has moved up by one.
-            let middle = middle.min(way.len() - 2);
-            if let (Some(before), Some(after)) = (way.get(middle - 1), way.get(middle + 1))
-                && self.floor.is_clear(*before, *after)
-            {
-                way.remove(middle);
-            }
-        }
+        self.leave_out(1, &mut way);
+        self.leave_out(way.len().saturating_sub(2), &mut way);
         let inner = way.get(1..way.len() - 1).unwrap_or_default();
         let free_to_look = |position: Point2| PathPoint { position, yaw_rad: None };
         let in_map = |[x, y]: [f64; 2]| grid.map_from_grid() * (Point2::new(x, y) * grid.resolution_m());
@@ -101,6 +94,14 @@ impl ThetaStarPlanner {
         points.extend(inner.iter().map(|point| free_to_look(in_map(*point))));
         points.push(PathPoint { position: goal, yaw_rad: request.goal.yaw_rad });
         points
+    }
+
+    /// Leaves out a point between two others that see each other.
+    fn leave_out(&self, middle: usize, way: &mut Vec<[f64; 2]>) {
+        let around = middle.checked_sub(1).and_then(|before| Some((way.get(before)?, way.get(middle + 1)?)));
+        if around.is_some_and(|(before, after)| self.floor.is_clear(*before, *after)) {
+            way.remove(middle);
+        }
     }
 }
 
