@@ -13,7 +13,7 @@ use std::process::ExitCode;
 const EXIT_CODES: &str = "\
 Exit codes:
   0    it worked: the robot arrived, the tests passed, the file has no faults
-  1    it ran, but the robot did not arrive, a test failed, or a replay differs
+  1    it ran, but the robot did not arrive, a test failed, a replay differs, or a plugin breaks a law
   2    the input has faults: the pipeline, a file that it names, or the command line
   3    rumbo itself failed: a file cannot be written, or there is a bug
   130  interrupted; the robot was stopped first

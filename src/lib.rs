@@ -19,6 +19,7 @@ pub mod diagnostics;
 pub mod drive;
 pub mod eval;
 pub mod exit;
+pub mod laws;
 pub mod load;
 pub mod map;
 pub mod new;

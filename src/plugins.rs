@@ -2,7 +2,8 @@
 
 mod describe;
 mod pages;
-mod parameters;
+pub(crate) mod parameters;
+mod verify;
 
 use crate::exit::{Exit, Failure};
 use crate::load;
@@ -11,8 +12,9 @@ use clap::Subcommand;
 use rumbo_core::registry::{Entry, LibraryInfo, Registry, Stage};
 use serde_json::json;
 use std::path::PathBuf;
+use std::sync::Arc;
 
-/// List and describe what a pipeline can name
+/// List, describe and verify what a pipeline can name
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]
@@ -46,6 +48,7 @@ enum Verb {
         #[arg(long)]
         check: bool,
     },
+    Verify(verify::Args),
 }
 
 /// Does it.
@@ -63,6 +66,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
             Ok(Exit::Success)
         }
         Verb::Docs { folder, check } => pages::write(&registry, folder, *check, terminal),
+        Verb::Verify(args) => verify::run(registry, args, terminal),
     }
 }
 
@@ -130,12 +134,11 @@ fn stage_of(section: &str) -> Result<Stage, Failure> {
     })
 }
 
-fn find<'r>(registry: &'r Registry, name: &str) -> Result<&'r Entry, Failure> {
+fn find<'r>(registry: &'r Registry, name: &str) -> Result<&'r Arc<Entry>, Failure> {
     let (section, bare) = name.split_once('.').map_or((None, name), |(section, bare)| (Some(section), bare));
-    let found: Vec<&Entry> = registry
+    let found: Vec<&Arc<Entry>> = registry
         .iter()
-        .map(AsRef::as_ref)
-        .filter(|entry: &&Entry| entry.name == bare && section.is_none_or(|s| entry.stage.section() == s))
+        .filter(|entry| entry.name == bare && section.is_none_or(|s| entry.stage.section() == s))
         .collect();
     match found.as_slice() {
         [entry] => Ok(entry),

@@ -76,7 +76,7 @@ fn collect(root: &Value, schema: &Value, prefix: &str, defaults: &toml::Table, r
 }
 
 /// Follows `$ref`, also inside `anyOf` with null.
-fn resolve<'v>(root: &'v Value, schema: &'v Value) -> &'v Value {
+pub fn resolve<'v>(root: &'v Value, schema: &'v Value) -> &'v Value {
     if let Some(path) = schema.get("$ref").and_then(Value::as_str) {
         let found = path.strip_prefix('#').and_then(|pointer| root.pointer(pointer));
         return found.map_or(schema, |found| resolve(root, found));

@@ -64,3 +64,27 @@ fn the_schema_beside_the_pipelines_is_up_to_date() {
         "write it with `rumbo schema > pipelines/rumbo.schema.json`"
     );
 }
+
+#[test]
+fn laws_are_told_line_by_line_and_as_json() {
+    let told = give(&["plugins", "verify", "a_star", "localizer.odometry"]);
+    assert_eq!((told.code, told.stdout.as_str()), (0, ""), "{}", told.stderr);
+    assert!(told.stderr.contains("planner.a_star") && told.stderr.contains("\n  ✓ a path touches nothing"));
+    assert!(told.stderr.contains("2 plugins: ") && told.stderr.contains(" 0 broken, "), "{}", told.stderr);
+    assert!(!told.stderr.contains('\u{1b}'));
+    let json = give(&["plugins", "verify", "odometry", "--json"]).json();
+    assert_eq!((&json["broken"], &json["plugins"][0]["name"]), (&0.into(), &"odometry".into()));
+    let laws = json["plugins"][0]["findings"].as_array().unwrap();
+    assert!(laws.iter().any(|law| law["law"].as_str().unwrap().starts_with("covariances are symmetric")));
+}
+
+#[test]
+fn a_law_that_is_broken_ends_with_1_and_what_cannot_be_asked_with_2() {
+    let broken = give(&["plugins", "verify", "a_star", "--set", "clearance_m=-1.0", "--broken"]);
+    assert_eq!(broken.code, 1, "{}", broken.stderr);
+    assert!(broken.stderr.contains("✗ it can be built from its defaults"), "{}", broken.stderr);
+    for args in [&["a_sta"] as &[&str], &["./nothing.so"], &["--set", "gain=1"], &["dp", "--set", "gain"]] {
+        let refused = give(&[&["plugins", "verify"], args].concat());
+        assert_eq!(refused.code, 2, "{args:?}: {}", refused.stderr);
+    }
+}

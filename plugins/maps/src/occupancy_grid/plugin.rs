@@ -34,6 +34,9 @@ pub struct OccupancyGrid {
     has_told_full: bool,
 }
 
+/// Farther away from the map's origin cells can no longer be counted in 32 bits.
+const FARTHEST_CELLS: f64 = 1e9;
+
 /// What is remembered of each scanner: two that look to different sides do not wait for each other.
 #[derive(Debug)]
 struct Source {
@@ -147,8 +150,15 @@ impl OccupancyGrid {
         let Some(map_from_base) = self.pose_at(observation.stamp, input) else {
             return Ok(Some(Skipped::NoPose));
         };
-        if !rumbo_core::frames::is_finite2(&map_from_base) {
-            return Err(MapError::Other("the pose of a scan is not a finite number".to_owned()));
+        let farthest_cells = map_from_base.translation.vector.amax() / self.params.resolution_m;
+        if !rumbo_core::frames::is_finite2(&map_from_base) || farthest_cells > FARTHEST_CELLS {
+            let Pose2 { translation: at, .. } = map_from_base;
+            let message = format!(
+                "the pose of a scan is ({}, {}) m, expected finite numbers, at most {FARTHEST_CELLS} cells from the \
+                 map's origin",
+                at.x, at.y
+            );
+            return Err(MapError::Other(message));
         }
         let deviations = input.estimate.covariance2().diagonal().map(f64::sqrt);
         let is_sure = deviations.x.max(deviations.y) <= self.params.max_pose_std_m;

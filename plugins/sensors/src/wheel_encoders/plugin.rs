@@ -1,7 +1,7 @@
 //! The wheel encoders as a sensor of the framework.
 
 use rumbo_core::frames::Twist;
-use rumbo_core::messages::{Data, Observation, ObservationKind, Observations, Odometry};
+use rumbo_core::messages::{Data, MessageFault, Observation, ObservationKind, Observations, Odometry};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::stages::{
     Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World, WorldError,
@@ -69,6 +69,18 @@ impl Sensor for WheelEncoders {
             }
             Err(error) => return Err(error.into()),
         };
+        let numbers = wheels.rolled_m.iter().chain([&wheels.turned_rad, &wheels.steering_rad]);
+        if let Some(number) = numbers.into_iter().find(|number| !number.is_finite()) {
+            // The odometer adds up: one such number would stay in it for ever.
+            let (message, field) = ("wheel motion", "rolled_m");
+            return Err(MessageFault {
+                message,
+                field,
+                found: number.to_string(),
+                expected: "finite numbers",
+            }
+            .into());
+        }
         let moved = self.odometer.update(&wheels);
         let seconds = self.last.map_or(0.0, |last| (cx.now - last).as_secs());
         if seconds > 0.0 {

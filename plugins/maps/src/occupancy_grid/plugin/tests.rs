@@ -191,16 +191,18 @@ fn what_must_not_become_map_does_not() {
 }
 
 #[test]
-fn a_pose_that_is_no_number_is_an_error_and_changes_nothing() {
-    let (mut builder, mut map) = build(&params());
-    let before = map.clone();
-    let trace = Trace::unwatched();
-    let estimate = known(1.0, pose2(f64::NAN, 0.0, 0.0));
-    let seen = [round(1.0, 2.0)];
-    let input = MapInput { seen: Seen::sorted(&seen), estimate: &estimate };
-    let error = builder.insert(&mut Cx { now: Time(0), trace: &trace }, &input, &mut map).unwrap_err();
-    assert!(error.to_string().contains("not a finite number"), "{error}");
-    assert_eq!(map, before);
+fn a_pose_that_is_no_number_or_too_far_away_is_an_error_and_changes_nothing() {
+    for x_m in [f64::NAN, f64::INFINITY, -1e300, 1e18] {
+        let (mut builder, mut map) = build(&params());
+        let before = map.clone();
+        let trace = Trace::unwatched();
+        let estimate = known(1.0, pose2(x_m, 0.0, 0.0));
+        let seen = [round(1.0, 2.0)];
+        let input = MapInput { seen: Seen::sorted(&seen), estimate: &estimate };
+        let error = builder.insert(&mut Cx { now: Time(0), trace: &trace }, &input, &mut map).unwrap_err();
+        assert!(error.to_string().contains("expected finite numbers"), "{error}");
+        assert_eq!(map, before);
+    }
 }
 
 #[test]

@@ -41,6 +41,20 @@ fn two_polls_at_one_time_keep_the_speed() {
 }
 
 #[test]
+fn a_wheel_that_is_no_number_is_an_error_and_leaves_the_odometer_as_it_was() {
+    let mut sensor = WheelEncodersParams::default().build(&BuildContext::bare("sensor")).unwrap();
+    let (mut world, mut out, trace) =
+        (TestWorld::with_wall(1.0), Observations::default(), Trace::unwatched());
+    for (tick, rolled_m) in [(0, 5.0), (1, f64::NAN), (2, f64::INFINITY), (3, 5.10)] {
+        world.wheels = WheelMotion { rolled_m: [rolled_m, rolled_m, 0.0, 0.0], ..WheelMotion::default() };
+        let polled = sensor.poll(&mut Cx { now: Time(tick), trace: &trace }, &mut world, &mut out);
+        assert_eq!(polled.is_ok(), rolled_m.is_finite(), "{polled:?}");
+    }
+    let Data::Odometry(odometry) = given(&out)[1].data else { panic!() };
+    assert!((odometry.odom_from_base.translation.x - 0.1).abs() < 1e-9);
+}
+
+#[test]
 fn impossible_steps_are_named() {
     let bad = WheelEncodersParams {
         wheel_step_m: -1.0,

@@ -1,0 +1,87 @@
+//! The plugins that are shipped.
+
+use super::*;
+use rumbo::laws::laws_of;
+use std::collections::BTreeSet;
+
+/// All plugins of one stage keep all laws.
+fn keep_their_laws(stage: Stage) {
+    let registry = registry();
+    let report = verify(registry.of_stage(stage));
+    assert!(!report.plugins.is_empty(), "no {} in the registry", stage.section());
+    for plugin in &report.plugins {
+        assert!(broken(plugin).is_empty(), "{}.{}:\n{}", plugin.stage, plugin.name, told(plugin.broken()));
+        let laws: Vec<&str> = laws_of(stage).map(|law| law.name).collect();
+        let asked: Vec<&str> = plugin.findings.iter().map(|finding| finding.law).collect();
+        assert_eq!(asked, laws, "{}.{}", plugin.stage, plugin.name);
+        for finding in &plugin.findings {
+            let is_asked = !matches!(finding.outcome, Outcome::NotApplicable { .. });
+            let may_be_silent = NOT_APPLICABLE.iter().any(|(law, names)| {
+                *law == finding.law && (names.is_empty() || names.contains(&plugin.name.as_str()))
+            });
+            assert!(is_asked || may_be_silent, "{}: {:?}", plugin.name, finding);
+        }
+    }
+}
+
+/// Laws that say nothing of plugins that are shipped, and of which; all where no names are given.
+const NOT_APPLICABLE: [(&str, &[&str]); 6] = [
+    ("values outside the ranges of its schema are refused", &[]),
+    ("a world turned or mirrored gives the ranges of the same walls", &["bumper_ring", "wheel_encoders"]),
+    ("a recording is passed on as it is", &["bumper_ring", "sonar_ring"]),
+    ("a world turned or mirrored turns the map with it", &["static_map"]),
+    ("a world turned or mirrored turns the estimate with it", &["recorded_pose"]),
+    ("an empty map is named where the map is needed", &["odometry", "recorded_pose"]),
+];
+
+#[test]
+fn worlds_keep_their_laws() {
+    keep_their_laws(Stage::World);
+}
+
+#[test]
+fn sensors_keep_their_laws() {
+    keep_their_laws(Stage::Sensor);
+}
+
+#[test]
+fn map_builders_keep_their_laws() {
+    keep_their_laws(Stage::MapBuilder);
+}
+
+#[test]
+fn localizers_keep_their_laws() {
+    keep_their_laws(Stage::Localizer);
+}
+
+#[test]
+fn planners_keep_their_laws() {
+    keep_their_laws(Stage::Planner);
+}
+
+#[test]
+fn avoiders_keep_their_laws() {
+    keep_their_laws(Stage::Avoider);
+}
+
+#[test]
+fn slam_plugins_keep_their_laws() {
+    if registry().of_stage(Stage::Slam).next().is_some() {
+        keep_their_laws(Stage::Slam);
+    }
+}
+
+#[test]
+fn every_law_has_one_name_and_is_explained() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/verify.md");
+    let page = std::fs::read_to_string(path).unwrap_or_default();
+    let words = page.split_whitespace().collect::<Vec<_>>().join(" ");
+    for stage in Stage::ALL {
+        let names: Vec<&str> = laws_of(stage).map(|law| law.name).collect();
+        assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "{}", stage.section());
+        for law in laws_of(stage) {
+            assert!(words.contains(law.name), "docs/verify.md does not explain \"{}\"", law.name);
+            assert!(words.contains(law.tolerance), "docs/verify.md does not say \"{}\"", law.tolerance);
+        }
+    }
+}
