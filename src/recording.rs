@@ -5,15 +5,15 @@ use crate::load::Ready;
 use crate::terminal::make_folder_of;
 use rumbo_core::engine::{Engine, Observer, RunEnd, StepView};
 use rumbo_core::pipeline::Pipeline;
-use rumbo_core::time::Time;
+use rumbo_core::time::{Span, Time};
 use rumbo_kit::recording::cdr::CdrWriter;
-use rumbo_kit::recording::layout::{END, RUN};
+use rumbo_kit::recording::layout::{END, PACKED_STEP, RUN};
 use rumbo_kit::recording::{
-    BagWriter, RunHeader, Said, StepEncoder, TopicId, ViewerCopies, hash_of, put_end, put_header,
+    BagWriter, RunHeader, Said, StepEncoder, StepPacker, TopicId, ViewerCopies, ViewerCopy, hash_of, put_end,
+    put_header,
 };
-use std::fmt::Display;
 use std::fs::File;
-use std::io::{BufWriter, Seek, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Name and version of this program.
@@ -51,38 +51,51 @@ pub fn plugins_of(pipeline: &Pipeline) -> Vec<String> {
     world.chain(pipeline.stages()).map(|stage| format!("{}: {:?}", stage.name, stage.entry)).collect()
 }
 
-/// A bag and the topics that were opened in it.
-struct Topics<W: Write + Seek> {
+/// Where messages of a step go: packed behind the copies that viewers get.
+struct Steps<W: Write> {
     bag: BagWriter<W>,
+    topic: TopicId,
+    packer: StepPacker,
+    viewers: ViewerCopies,
     sensors: Vec<String>,
-    open: Vec<(Said, TopicId)>,
 }
 
-impl<W: Write + Seek> Topics<W> {
-    /// Writes one message; its topic is opened when it is first used.
-    fn say(&mut self, said: Said, now: Time, message: &[u8]) -> Result<(), String> {
-        let known = self.open.iter().find(|(known, _)| *known == said).map(|(_, topic)| *topic);
-        let topic = match known {
-            Some(topic) => topic,
-            None => {
-                let topic = self.bag.topic(&said.topic(&self.sensors), &said.layout()).map_err(in_words)?;
-                self.open.push((said, topic));
-                topic
-            }
-        };
-        self.bag.write(topic, now, message).map_err(in_words)
+impl<W: Write> Steps<W> {
+    /// Writes the messages of a step as one.
+    fn close_step(&mut self, now: Time) -> io::Result<()> {
+        let mut written = Ok(());
+        self.packer.finish(|packed| written = self.bag.write(self.topic, now, packed));
+        written
+    }
+
+    /// Packs all that was said in a step.
+    fn write(&mut self, encoder: &mut StepEncoder, view: &StepView<'_>) -> io::Result<()> {
+        let (mut kept, mut observations, mut n_copies) = (Ok(()), view.observations.iter(), 0);
+        encoder.encode(view, &mut |said, message| {
+            let observation = matches!(said, Said::Observation(..)).then(|| observations.next()).flatten();
+            let copied = observation.map(|observation| {
+                self.viewers.observation(&mut self.bag, view.now, observation, &self.sensors)
+            });
+            let copy = match copied.transpose() {
+                Ok(copy) => copy.flatten(),
+                Err(fault) => {
+                    kept = Err(fault);
+                    None
+                }
+            };
+            let copy = copy.map(|(message, readings)| ViewerCopy { number: n_copies, message, readings });
+            n_copies += usize::from(copy.is_some());
+            self.packer.add(said, message, copy);
+        });
+        kept?;
+        self.close_step(view.now)
     }
 }
 
-fn in_words(error: impl Display) -> String {
-    error.to_string()
-}
-
 /// A recording that grows. What goes wrong is kept until the end: a full disk stops no robot.
-pub struct RunRecording<W: Write + Seek = BufWriter<File>> {
-    topics: Topics<W>,
+pub struct RunRecording<W: Write = File> {
+    steps: Steps<W>,
     encoder: StepEncoder,
-    viewers: ViewerCopies,
     last_step: Option<u64>,
     fault: Option<String>,
 }
@@ -91,23 +104,30 @@ impl RunRecording {
     /// Begins a recording in a file.
     pub fn create(path: &Path, header: &RunHeader) -> Result<RunRecording, Failure> {
         make_folder_of(path)?;
-        let bag = BagWriter::create(path).map_err(in_words);
-        let begun = bag.and_then(|bag| RunRecording::new(bag, header));
+        let begun = BagWriter::create(path).and_then(|bag| RunRecording::new(bag, header));
         begun.map_err(|fault| Failure::Internal(format!("cannot write {}: {fault}", path.display())))
     }
 }
 
-impl<W: Write + Seek> RunRecording<W> {
+impl<W: Write> RunRecording<W> {
+    /// What a world that only computes may lose when the program is killed: running it again brings it back.
+    const LONGEST_COMPUTED: Span = Span(10_000_000_000);
+
     /// Begins a recording in a bag.
-    pub fn new(mut bag: BagWriter<W>, header: &RunHeader) -> Result<RunRecording<W>, String> {
+    pub fn new(mut bag: BagWriter<W>, header: &RunHeader) -> io::Result<RunRecording<W>> {
+        if !header.is_real_time {
+            bag = bag.close_after(Self::LONGEST_COMPUTED);
+        }
         let mut cdr = CdrWriter::default();
         put_header(&mut cdr, header);
-        let run = bag.topic("/rumbo/run", &RUN).map_err(in_words)?;
-        bag.write(run, header.started, cdr.bytes()).map_err(in_words)?;
+        let run = bag.topic("/rumbo/run", &RUN)?;
+        bag.write(run, header.started, cdr.bytes())?;
+        let topic = bag.topic("/rumbo/step", &PACKED_STEP)?;
+        let (packer, viewers, sensors) =
+            (StepPacker::default(), ViewerCopies::default(), header.sensors.clone());
         Ok(RunRecording {
-            topics: Topics { bag, sensors: header.sensors.clone(), open: Vec::new() },
+            steps: Steps { bag, topic, packer, viewers, sensors },
             encoder: StepEncoder::default(),
-            viewers: ViewerCopies::default(),
             last_step: None,
             fault: None,
         })
@@ -117,44 +137,40 @@ impl<W: Write + Seek> RunRecording<W> {
     pub fn finish(mut self, end: &RunEnd, view: &StepView<'_>) -> Result<W, Failure> {
         let closed = match self.fault.take() {
             Some(fault) => Err(fault),
-            None => self.close(end, view),
+            None => self.close(end, view).map_err(|fault| fault.to_string()),
         };
         closed.map_err(|fault| Failure::Internal(format!("the recording is incomplete: {fault}")))
     }
 
-    fn close(self, end: &RunEnd, view: &StepView<'_>) -> Result<W, String> {
-        let RunRecording { mut topics, mut encoder, mut viewers, .. } = self;
-        let mut kept = Ok(());
-        encoder.map(view.map, &mut |said, message| kept = topics.say(said, view.now, message));
-        kept?;
-        viewers.map(&mut topics.bag, view).map_err(in_words)?;
+    fn close(self, end: &RunEnd, view: &StepView<'_>) -> io::Result<W> {
+        let RunRecording { mut steps, mut encoder, .. } = self;
+        encoder.map(view.map, &mut |said, message| steps.packer.add(said, message, None));
+        steps.close_step(view.now)?;
+        steps.viewers.map(&mut steps.bag, view)?;
         let mut cdr = CdrWriter::default();
         put_end(&mut cdr, &end.reason.to_string(), end.detail.as_deref().unwrap_or_default());
-        let topic = topics.bag.topic("/rumbo/end", &END).map_err(in_words)?;
-        topics.bag.write(topic, view.now, cdr.bytes()).map_err(in_words)?;
-        topics.bag.finish().map_err(in_words)
+        let topic = steps.bag.topic("/rumbo/end", &END)?;
+        steps.bag.write(topic, view.now, cdr.bytes())?;
+        steps.bag.finish()
     }
 
-    fn write(&mut self, view: &StepView<'_>) -> Result<(), String> {
-        let (topics, mut kept) = (&mut self.topics, Ok(()));
-        self.encoder.encode(view, &mut |said, message| {
-            if kept.is_ok() {
-                kept = topics.say(said, view.now, message);
-            }
-        });
-        kept?;
-        let Topics { bag, sensors, .. } = topics;
+    fn write(&mut self, view: &StepView<'_>) -> io::Result<()> {
+        self.steps.write(&mut self.encoder, view)?;
+        let Steps { bag, viewers, .. } = &mut self.steps;
         let is_new = self.last_step.replace(view.step) != Some(view.step);
-        let copied =
-            if is_new { self.viewers.write(bag, view, sensors) } else { self.viewers.events(bag, view) };
-        copied.and_then(|()| bag.rest(view.now)).map_err(in_words)
+        if is_new {
+            viewers.write(bag, view)?
+        } else {
+            viewers.events(bag, view)?
+        }
+        bag.rest(view.now)
     }
 }
 
-impl<W: Write + Seek> Observer for RunRecording<W> {
+impl<W: Write> Observer for RunRecording<W> {
     fn on_step(&mut self, view: &StepView<'_>) {
         if self.fault.is_none() {
-            self.fault = self.write(view).err();
+            self.fault = self.write(view).err().map(|fault| fault.to_string());
         }
     }
 }

@@ -77,10 +77,9 @@ fn chosen(registry: &mut Registry, names: &[String]) -> Result<Vec<Arc<Entry>>, 
 }
 
 /// The plugins of a file, which become part of the registry.
-fn loaded(_registry: &mut Registry, file: &Path) -> Result<Vec<Arc<Entry>>, Failure> {
-    // Where libraries can be loaded, this is what `registry.load(file)` gives.
-    let words = "this version of rumbo verifies only the plugins that it brings along";
-    Err(Failure::Usage(format!("{}: {words}", file.display())))
+fn loaded(registry: &mut Registry, file: &Path) -> Result<Vec<Arc<Entry>>, Failure> {
+    let library = registry.load(file, None).map_err(|error| Failure::Usage(error.to_string()))?;
+    Ok(library.entries.clone())
 }
 
 /// Names of plugins have no separators and no endings of libraries.

@@ -178,4 +178,5 @@ fn sensor_of(message: &[u8]) -> SensorId {
     SensorId(number.unwrap_or_default())
 }
 
-const _: () = assert!(layout::SCHEMA == 1, "a new schema needs a look at how old recordings are compared");
+// Messages of schema 2 are those of schema 1, packed.
+const _: () = assert!(layout::SCHEMA == 2, "a new schema needs a look at how old recordings are compared");

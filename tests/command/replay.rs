@@ -6,7 +6,7 @@ use rumbo_core::frames::Point2;
 use rumbo_core::messages::{Data, Goal, Observation};
 use rumbo_kit::recording::cdr::CdrWriter;
 use rumbo_kit::recording::layout::observation_kind;
-use rumbo_kit::recording::{BagReader, put_observation, read_observation};
+use rumbo_kit::recording::{RecordingReader, put_observation, read_observation};
 
 fn replay(args: &[&str]) -> Given {
     give(&[&["replay", "--json"], args].concat())
@@ -15,7 +15,9 @@ fn replay(args: &[&str]) -> Given {
 /// Replaces the bytes of one observation in a recording by those of a changed one, which `change` makes.
 fn patch(file: &str, change: impl Fn(&mut Observation) -> bool) -> Observation {
     let mut cdr = CdrWriter::default();
-    let found = BagReader::open(Path::new(file)).unwrap().find_map(|message| {
+    let mut reader = RecordingReader::open(Path::new(file)).unwrap();
+    let messages = std::iter::from_fn(|| reader.next_step()).flat_map(|step| step.messages);
+    let found = messages.into_iter().find_map(|message| {
         let kind = observation_kind(&message.channel.schema)?;
         let mut observation = read_observation(kind, &message.data).unwrap();
         change(&mut observation).then_some((message.data, observation))
@@ -23,8 +25,16 @@ fn patch(file: &str, change: impl Fn(&mut Observation) -> bool) -> Observation {
     let (old, changed) = found.expect("an observation to change");
     put_observation(&mut cdr, &changed);
     let mut bytes = std::fs::read(file).unwrap();
-    let at = bytes.windows(old.len()).position(|window| window == old).unwrap();
-    bytes[at..at + old.len()].copy_from_slice(cdr.bytes());
+    let new = cdr.bytes();
+    let first = (0..old.len()).find(|idx| old[*idx] != new[*idx]).unwrap();
+    // Ranges stand in the file in one block; other numbers as words, if they changed since the message before.
+    let word = 4 + (first - 4) / 8 * 8;
+    let places = [first.saturating_sub(64)..(first + 64).min(old.len()), word..word + 8];
+    let find = |place: &std::ops::Range<usize>| {
+        bytes.windows(place.len()).position(|window| *window == old[place.clone()])
+    };
+    let (at, place) = places.into_iter().find_map(|place| Some((find(&place)?, place))).unwrap();
+    bytes[at..at + place.len()].copy_from_slice(&new[place]);
     forget_sums(&mut bytes);
     std::fs::write(file, bytes).unwrap();
     changed
@@ -61,6 +71,20 @@ fn a_replay_says_the_same_bytes() {
         assert_eq!(report["recorded_end"], report["replayed_end"]);
         assert!(given.stderr.contains("the same bytes"), "{}", given.stderr);
     }
+}
+
+#[test]
+fn a_recording_of_the_first_schema_is_still_replayed() {
+    let given = replay(&["tests/data/recordings/schema_1.mcap"]);
+    let report = given.json();
+    // Every message that was recorded is understood; whether it is said again depends on today's plugins.
+    assert!(given.code < 2 && report["damage"].is_null(), "{report}: {}", given.stderr);
+    assert_eq!((&report["steps"], &report["messages"]), (&41.into(), &164.into()), "{report}");
+    let stages = report["differences"].as_array().unwrap();
+    assert!(
+        stages.iter().all(|found| found["stage"] != "front_laser" && found["stage"] != "wheels"),
+        "{report}"
+    );
 }
 
 #[test]
@@ -116,7 +140,7 @@ fn a_recording_that_is_cut_anywhere_is_replayed_up_to_the_cut() {
     let file = folder.join("cut.mcap");
     let steps = |len: usize| {
         std::fs::write(&file, &whole[..len]).unwrap();
-        let mut reader = rumbo_kit::recording::RecordingReader::open(&file).ok()?;
+        let mut reader = RecordingReader::open(&file).ok()?;
         let mut n_steps = 0;
         while reader.next_step().is_some_and(|step| step.mark.is_some()) {
             n_steps += 1;

@@ -1,12 +1,17 @@
 //! Writes an MCAP file: nothing packed, no clock, closed pieces that stay readable when the rest is lost.
+//!
+//! The records are put together here and not by the crate `mcap`: its writer looks every message up in several maps and
+//! sums it byte by byte, which took more of the processor than all the rest of a recording. The crate still reads, and
+//! proves in the tests that what is written here is what it expects.
 
+use super::bag_index::Index;
+use super::bag_piece::{HEAD, Piece};
 use super::layout::Layout;
-use mcap::records::MessageHeader;
-use mcap::{McapError, McapResult, WriteOptions, Writer};
+use super::mcap_records::{Records, TopicRecord};
+use mcap::records::op;
 use rumbo_core::time::{Span, Time};
-use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufWriter, Seek, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 /// A topic that was opened.
@@ -14,73 +19,130 @@ use std::path::Path;
 pub struct TopicId(u16);
 
 /// A bag that grows.
-pub struct BagWriter<W: Write + Seek = BufWriter<File>> {
-    writer: Writer<W>,
+#[derive(Debug)]
+pub struct BagWriter<W: Write = File> {
+    /// None when the file is closed, or when writing failed.
+    to: Option<W>,
+    piece: Piece,
+    index: Index,
     closed_at: Option<Time>,
-    n_messages: u32,
+    longest: Span,
 }
 
 impl BagWriter {
     /// Begins a file, over one that is there.
-    pub fn create(path: &Path) -> McapResult<BagWriter> {
-        BagWriter::new(BufWriter::new(File::create(path)?))
+    pub fn create(path: &Path) -> io::Result<BagWriter> {
+        BagWriter::new(File::create(path)?)
     }
 }
 
-impl<W: Write + Seek> BagWriter<W> {
+impl<W: Write> BagWriter<W> {
     /// A piece is closed when it has so many bytes.
-    const MOST_BYTES: u64 = 1 << 20;
+    const MOST_BYTES: usize = 1 << 20;
     /// A piece is closed when it is so old: no more is lost when the power goes.
     const LONGEST: Span = Span(2_000_000_000);
 
     /// Begins a bag.
-    pub fn new(to: W) -> McapResult<BagWriter<W>> {
-        let options = WriteOptions::new()
-            // Packing would cost processor time in the run; `mcap compress` does it afterwards.
-            .compression(None)
-            .profile("ros2")
-            .library(concat!("rumbo ", env!("CARGO_PKG_VERSION")))
-            .chunk_size(Some(Self::MOST_BYTES))
-            // A piece is written at once with its length in front, so a cut leaves no length that lies.
-            .disable_seeking(true)
-            .calculate_data_section_crc(false);
-        Ok(BagWriter { writer: options.create(to)?, closed_at: None, n_messages: 0 })
+    pub fn new(mut to: W) -> io::Result<BagWriter<W>> {
+        let mut first = Records::default();
+        first.bytes.extend_from_slice(super::MAGIC);
+        first.record(op::HEADER, |records| {
+            records.text("ros2");
+            records.text(concat!("rumbo ", env!("CARGO_PKG_VERSION")));
+        });
+        to.write_all(&first.bytes)?;
+        let mut bag = BagWriter {
+            to: Some(to),
+            piece: Piece::with_capacity(Self::MOST_BYTES),
+            index: Index::default(),
+            closed_at: None,
+            longest: Self::LONGEST,
+        };
+        bag.index.at = first.bytes.len() as u64;
+        Ok(bag)
     }
 
-    /// Opens a topic.
-    pub fn topic(&mut self, name: &str, layout: &Layout) -> McapResult<TopicId> {
-        let schema = self.writer.add_schema(layout.name, "ros2msg", layout.text.as_bytes())?;
-        self.writer.add_channel(schema, name, "cdr", &BTreeMap::new()).map(TopicId)
+    /// Closes pieces after another time than two seconds.
+    pub fn close_after(mut self, longest: Span) -> BagWriter<W> {
+        self.longest = longest;
+        self
+    }
+
+    /// Opens a topic; one that is open already is the same.
+    pub fn topic(&mut self, name: &str, layout: &Layout) -> io::Result<TopicId> {
+        if let Some(known) = self.index.topics.iter().position(|known| known.is(name, layout)) {
+            return Ok(TopicId(number(known)?));
+        }
+        let schemas = &mut self.index.schemas;
+        let known = schemas.iter().position(|known| known == layout);
+        let schema = number(known.unwrap_or(schemas.len()))?.saturating_add(1);
+        if known.is_none() {
+            schemas.push(*layout);
+            self.piece.records.schema(schema, layout);
+        }
+        let topic = TopicRecord { name: name.to_owned(), layout: *layout, schema, n_messages: 0 };
+        let id = number(self.index.topics.len())?;
+        self.piece.records.channel(id, &topic);
+        self.index.topics.push(topic);
+        self.piece.open();
+        Ok(TopicId(id))
     }
 
     /// Writes a message.
-    pub fn write(&mut self, topic: TopicId, now: Time, message: &[u8]) -> McapResult<()> {
+    pub fn write(&mut self, topic: TopicId, now: Time, message: &[u8]) -> io::Result<()> {
         let log_time = u64::try_from(now.0).unwrap_or(0);
-        let header = MessageHeader {
-            channel_id: topic.0,
-            sequence: self.n_messages,
-            log_time,
-            publish_time: log_time,
-        };
-        self.n_messages = self.n_messages.wrapping_add(1);
-        self.writer.write_to_known_channel(&header, message)
+        let n_messages = self.index.count(topic.0, log_time);
+        self.piece.message(topic.0, n_messages, log_time, message);
+        if self.piece.records.bytes.len() >= HEAD + Self::MOST_BYTES { self.close_piece() } else { Ok(()) }
     }
 
     /// Between two steps: closes the piece if it is old enough.
-    pub fn rest(&mut self, now: Time) -> McapResult<()> {
+    pub fn rest(&mut self, now: Time) -> io::Result<()> {
         let closed_at = *self.closed_at.get_or_insert(now);
-        if now - closed_at >= Self::LONGEST {
+        if now - closed_at >= self.longest {
             self.closed_at = Some(now);
-            self.writer.flush()?;
+            self.close_piece()?;
         }
         Ok(())
     }
 
+    /// A piece is written at once with its length in front, so a cut leaves no length that lies.
+    fn close_piece(&mut self) -> io::Result<()> {
+        if self.piece.is_empty() {
+            return Ok(());
+        }
+        let mut to = self.to.take().ok_or_else(Self::failed)?;
+        to.write_all(self.piece.close(&mut self.index))?;
+        self.piece.clear();
+        self.to = Some(to);
+        Ok(())
+    }
+
     /// Closes the file and gives back what it was written to.
-    pub fn finish(mut self) -> McapResult<W> {
-        self.writer.finish()?;
-        let mut to = self.writer.into_inner();
-        to.flush().map_err(McapError::from)?;
+    pub fn finish(mut self) -> io::Result<W> {
+        self.close_piece()?;
+        let mut to = self.to.take().ok_or_else(Self::failed)?;
+        to.write_all(&self.index.end())?;
+        to.flush()?;
         Ok(to)
     }
+
+    fn failed() -> io::Error {
+        io::Error::other("writing failed before")
+    }
+}
+
+/// Whoever forgets to finish a bag, or cannot since something panicked, loses nothing.
+impl<W: Write> Drop for BagWriter<W> {
+    fn drop(&mut self) {
+        let closed = if self.to.is_some() { self.close_piece() } else { Ok(()) };
+        if let (Ok(()), Some(to)) = (closed, &mut self.to) {
+            let _ = to.write_all(&self.index.end());
+        }
+    }
+}
+
+/// MCAP numbers topics and schemas with 16 bits.
+fn number(idx: usize) -> io::Result<u16> {
+    u16::try_from(idx).map_err(|_| io::Error::other("more than 65,535 topics or schemas"))
 }

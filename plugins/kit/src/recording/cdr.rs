@@ -3,102 +3,10 @@
 //!
 //! The crates that do this, `cdr` and `cdr-encoding`, go through serde element by element; a scan of ours is one copy.
 
+pub use super::cdr_writer::CdrWriter;
+
 /// Bytes in front of the message that say how it is encoded.
-const HEADER: usize = 4;
-
-/// Writes one message, little endian.
-#[derive(Debug, Default)]
-pub struct CdrWriter {
-    bytes: Vec<u8>,
-}
-
-macro_rules! write_numbers {
-    ($($name:ident: $t:ty),*) => { $(
-        /// A number.
-        pub fn $name(&mut self, value: $t) {
-            self.align(size_of::<$t>());
-            self.bytes.extend_from_slice(&value.to_le_bytes());
-        }
-    )* };
-}
-
-impl CdrWriter {
-    /// Begins a new message in the room of the one before.
-    pub fn begin(&mut self) -> &mut CdrWriter {
-        self.bytes.clear();
-        self.bytes.extend_from_slice(&[0, 1, 0, 0]);
-        self
-    }
-
-    /// The message.
-    pub fn bytes(&self) -> &[u8] {
-        &self.bytes
-    }
-
-    fn align(&mut self, size: usize) {
-        let used = self.bytes.len().saturating_sub(HEADER);
-        self.bytes.resize(HEADER + used.next_multiple_of(size), 0);
-    }
-
-    write_numbers!(u8: u8, u16: u16, u32: u32, i32: i32, u64: u64, i64: i64, f32: f32, f64: f64);
-
-    /// Yes or no.
-    pub fn bool(&mut self, value: bool) {
-        self.u8(u8::from(value));
-    }
-
-    /// A text and its closing zero.
-    pub fn text(&mut self, text: &str) {
-        self.length(text.len() + 1);
-        self.bytes.extend_from_slice(text.as_bytes());
-        self.bytes.push(0);
-    }
-
-    /// The length of a sequence whose elements follow.
-    pub fn length(&mut self, len: usize) {
-        self.u32(u32::try_from(len).unwrap_or(u32::MAX));
-    }
-
-    /// An array of a fixed length.
-    pub fn array(&mut self, values: &[f64]) {
-        self.align(if values.is_empty() { 1 } else { 8 });
-        self.fill(values, f64::to_le_bytes);
-    }
-
-    /// A sequence.
-    pub fn f64s(&mut self, values: &[f64]) {
-        self.length(values.len());
-        self.array(values);
-    }
-
-    /// A sequence.
-    pub fn f32s(&mut self, values: &[f32]) {
-        self.length(values.len());
-        self.fill(values, f32::to_le_bytes);
-    }
-
-    /// A sequence.
-    pub fn u16s(&mut self, values: &[u16]) {
-        self.length(values.len());
-        self.fill(values, u16::to_le_bytes);
-    }
-
-    /// A sequence.
-    pub fn octets(&mut self, values: &[u8]) {
-        self.length(values.len());
-        self.bytes.extend_from_slice(values);
-    }
-
-    /// Elements that are aligned already, in one pass that the compiler turns into a copy.
-    fn fill<T: Copy, const N: usize>(&mut self, values: &[T], bytes_of: fn(T) -> [u8; N]) {
-        let start = self.bytes.len();
-        self.bytes.resize(start + values.len() * N, 0);
-        let room = self.bytes.get_mut(start..).unwrap_or_default();
-        for (room, value) in room.chunks_exact_mut(N).zip(values) {
-            room.copy_from_slice(&bytes_of(*value));
-        }
-    }
-}
+pub(super) const HEADER: usize = 4;
 
 /// Why a message cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -4,7 +4,7 @@
 use rumbo_core::messages::ObservationKind;
 
 /// The version of recordings that this program writes; it reads all up to it.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// Name and fields of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,6 +70,9 @@ pub const STEP: Layout = Layout {
            MSG: rumbo_msgs/Truth\nfloat64[7] map_from_base\nfloat64[3] twist\nfloat64 clearance_m\n\
            uint32[] contact_episodes\n",
 };
+
+/// A step: all its messages, [packed](super::StepPacker). In recordings of schema 1 each had a topic of its own.
+pub const PACKED_STEP: Layout = Layout { name: "rumbo_msgs/msg/PackedStep", text: "uint8[] packed\n" };
 
 /// How the run ended: written once, last.
 pub const END: Layout = Layout { name: "rumbo_msgs/msg/End", text: "string reason\nstring detail\n" };

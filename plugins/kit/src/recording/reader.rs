@@ -1,15 +1,20 @@
 //! A recording of a run, step by step.
 
-use super::bag::{BagEnd, BagError, BagMessage, BagReader};
-use super::cdr::CdrError;
+use super::bag::{BagChannel, BagEnd, BagError, BagMessage, BagReader};
+use super::cdr::{CdrError, CdrReader};
 use super::header::{HeaderError, RunHeader, read_end, read_header};
-use super::layout::{COMMAND, END, EVENT, Layout, ORDER, RUN, STEP, observation_kind};
+use super::layout::{COMMAND, END, EVENT, Layout, ORDER, PACKED_STEP, RUN, STEP, observation_kind};
 use super::observation::read_observation;
 use super::order_code::read_order;
 use super::outputs::{RecordedEvent, StepMark, read_command, read_event, read_step};
+use super::packed_step::StepUnpacker;
+use super::ros::layout::{LASER_SCAN, POINT_CLOUD};
+use super::step_encoder::Said;
 use rumbo_core::engine::Order;
 use rumbo_core::messages::Observation;
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Why a recording cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -57,6 +62,8 @@ pub struct RecordedStep {
 pub struct RecordingReader {
     bag: BagReader,
     header: RunHeader,
+    unpacker: StepUnpacker,
+    channels: BTreeMap<Said, Arc<BagChannel>>,
     end: Option<(String, String)>,
     fault: Option<CdrError>,
 }
@@ -90,7 +97,14 @@ impl RecordingReader {
         }
         let header = read_header(&first.data);
         let header = header.map_err(|error| RecordingError::Header { path: place(), error })?;
-        Ok(RecordingReader { bag, header, end: None, fault: None })
+        Ok(RecordingReader {
+            bag,
+            header,
+            unpacker: StepUnpacker::default(),
+            channels: BTreeMap::new(),
+            end: None,
+            fault: None,
+        })
     }
 
     /// What was run.
@@ -118,14 +132,18 @@ impl RecordingReader {
 
     /// The next step. What stands behind the last mark of a file that was cut off belongs to no step and is left out.
     pub fn next_step(&mut self) -> Option<RecordedStep> {
-        let mut step = RecordedStep::default();
+        let (mut step, mut copies) = (RecordedStep::default(), Vec::new());
         while self.fault.is_none() && self.end.is_none() {
             let message = self.bag.next()?;
-            match self.take(&message, &mut step) {
-                Ok(is_ours) if is_ours => step.messages.push(message),
-                Ok(_) => {}
-                Err(fault) => self.fault = Some(fault),
-            }
+            let taken = if is_of(&message, &PACKED_STEP) {
+                self.unpack(&message, &std::mem::take(&mut copies), &mut step)
+            } else if is_of(&message, &LASER_SCAN) || is_of(&message, &POINT_CLOUD) {
+                copies.push(message.data);
+                Ok(())
+            } else {
+                self.take(message, &mut step)
+            };
+            self.fault = taken.err();
             if step.mark.is_some() {
                 return Some(step);
             }
@@ -133,8 +151,35 @@ impl RecordingReader {
         (self.fault.is_none() && !step.messages.is_empty()).then_some(step)
     }
 
-    /// Reads a message into the step; whether it belongs to a step at all.
-    fn take(&mut self, message: &BagMessage, step: &mut RecordedStep) -> Result<bool, CdrError> {
+    /// Reads all messages of a step.
+    fn unpack(
+        &mut self,
+        packed: &BagMessage,
+        copies: &[Vec<u8>],
+        step: &mut RecordedStep,
+    ) -> Result<(), CdrError> {
+        let (mut unpacker, log_time) = (std::mem::take(&mut self.unpacker), packed.log_time);
+        let mut cdr = CdrReader::new(&packed.data)?;
+        let unpacked = unpacker.unpack(cdr.octets()?, copies, |said, data| {
+            let channel = self.channel(said);
+            self.take(BagMessage { channel, log_time, data }, step)
+        });
+        self.unpacker = unpacker;
+        unpacked
+    }
+
+    /// The topic that a message of a packed step would have alone.
+    fn channel(&mut self, said: Said) -> Arc<BagChannel> {
+        let sensors = &self.header.sensors;
+        let new = || {
+            let (topic, schema) = (said.topic(sensors), said.layout().name.to_owned());
+            Arc::new(BagChannel { topic, schema, encoding: "cdr".to_owned() })
+        };
+        self.channels.entry(said).or_insert_with(new).clone()
+    }
+
+    /// Reads a message into the step if it belongs to one.
+    fn take(&mut self, message: BagMessage, step: &mut RecordedStep) -> Result<(), CdrError> {
         let (schema, data) = (message.channel.schema.as_str(), &message.data);
         if let Some(kind) = observation_kind(schema) {
             step.observations.push(read_observation(kind, data)?);
@@ -148,8 +193,11 @@ impl RecordingReader {
             step.mark = Some(read_step(data)?);
         } else if schema == END.name {
             self.end = Some(read_end(data)?);
-            return Ok(false);
+            return Ok(());
         }
-        Ok(schema.starts_with("rumbo_msgs/"))
+        if schema.starts_with("rumbo_msgs/") {
+            step.messages.push(message);
+        }
+        Ok(())
     }
 }

@@ -5,12 +5,12 @@ use super::cdr::CdrWriter;
 use super::layout::Layout;
 use super::ros::{self, Stamped, layout};
 use super::step_encoder::sensor_name;
-use mcap::McapResult;
 use rumbo_core::engine::{EventKind, StepView};
 use rumbo_core::frames::{Pose3, flatten, lift};
 use rumbo_core::messages::{Data, Observation, SensorId};
 use rumbo_core::time::{Span, Time};
-use std::io::{Seek, Write};
+use std::io::{self, Write};
+use std::ops::Range;
 
 /// Frames as REP-105 names them.
 const MAP: &str = "map";
@@ -31,20 +31,12 @@ pub struct ViewerCopies {
 
 impl ViewerCopies {
     /// Poses are written so often at most.
-    const POSES: Span = Span(100_000_000);
+    const POSES: Span = Span(200_000_000);
     /// A map that changes is written so often at most.
     const MAPS: Span = Span(10_000_000_000);
 
     /// Writes what is worth a look in this step.
-    pub fn write<W: Write + Seek>(
-        &mut self,
-        to: &mut BagWriter<W>,
-        view: &StepView<'_>,
-        sensors: &[String],
-    ) -> McapResult<()> {
-        for observation in view.observations {
-            self.observation(to, view.now, observation, sensors)?;
-        }
+    pub fn write<W: Write>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> io::Result<()> {
         if self.poses_due.is_none_or(|due| view.now >= due) {
             self.poses_due = Some(view.now + Self::POSES);
             self.poses(to, view)?;
@@ -62,7 +54,7 @@ impl ViewerCopies {
     }
 
     /// The map as the run leaves it.
-    pub fn map<W: Write + Seek>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> McapResult<()> {
+    pub fn map<W: Write>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> io::Result<()> {
         let Some(grid) = &view.map.grid else { return Ok(()) };
         if self.map_version.replace(view.map.version) == Some(view.map.version) {
             return Ok(());
@@ -72,7 +64,7 @@ impl ViewerCopies {
     }
 
     /// What the world said after the last step.
-    pub fn events<W: Write + Seek>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> McapResult<()> {
+    pub fn events<W: Write>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> io::Result<()> {
         for event in view.events {
             let is_trouble = matches!(
                 event.kind,
@@ -88,27 +80,19 @@ impl ViewerCopies {
         Ok(())
     }
 
-    fn observation<W: Write + Seek>(
+    /// Writes what a sensor saw; what was written, and where in it the readings are.
+    pub fn observation<W: Write>(
         &mut self,
         to: &mut BagWriter<W>,
         now: Time,
         observation: &Observation,
         sensors: &[String],
-    ) -> McapResult<()> {
+    ) -> io::Result<Option<(&[u8], Range<usize>)>> {
         let frame = sensor_name(sensors, observation.sensor);
         let at = Stamped { stamp: observation.stamp, frame };
-        let layout = match &observation.data {
-            Data::LaserScan(scan) => {
-                ros::put_scan(&mut self.cdr, at, scan);
-                layout::LASER_SCAN
-            }
-            Data::PointCloud(cloud) => {
-                ros::put_cloud(&mut self.cdr, at, cloud);
-                layout::POINT_CLOUD
-            }
-            _ => return Ok(()),
-        };
-        self.say(to, &format!("/sensor/{frame}"), &layout, now)?;
+        if !matches!(observation.data, Data::LaserScan(_) | Data::PointCloud(_)) {
+            return Ok(None);
+        }
         let mount = (observation.sensor, observation.base_from_sensor);
         if !self.mounts.contains(&mount) {
             self.mounts.retain(|(sensor, _)| *sensor != mount.0);
@@ -116,10 +100,16 @@ impl ViewerCopies {
             ros::put_transforms(&mut self.cdr, now, &[(BASE, frame, mount.1)]);
             self.say(to, "/tf_static", &layout::TRANSFORMS, now)?;
         }
-        Ok(())
+        let (layout, readings) = match &observation.data {
+            Data::LaserScan(scan) => (layout::LASER_SCAN, ros::put_scan(&mut self.cdr, at, scan)),
+            Data::PointCloud(cloud) => (layout::POINT_CLOUD, ros::put_cloud(&mut self.cdr, at, cloud)),
+            _ => return Ok(None),
+        };
+        self.say(to, &format!("/sensor/{frame}"), &layout, now)?;
+        Ok(Some((self.cdr.bytes(), readings)))
     }
 
-    fn poses<W: Write + Seek>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> McapResult<()> {
+    fn poses<W: Write>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> io::Result<()> {
         let now = view.now;
         let map_from_odom = lift(&flatten(&view.estimate.map_from_odom));
         let tree = [(MAP, ODOM, map_from_odom), (ODOM, BASE, lift(&view.odom_from_base))];
@@ -137,13 +127,13 @@ impl ViewerCopies {
     }
 
     /// Writes the message at hand; a topic is opened when it is first used.
-    fn say<W: Write + Seek>(
+    fn say<W: Write>(
         &mut self,
         to: &mut BagWriter<W>,
         topic: &str,
         layout: &Layout,
         now: Time,
-    ) -> McapResult<()> {
+    ) -> io::Result<()> {
         let known = self.topics.iter().find(|(known, _)| known == topic).map(|(_, id)| *id);
         let id = match known {
             Some(id) => id,

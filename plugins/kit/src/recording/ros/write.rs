@@ -6,6 +6,7 @@ use rumbo_core::frames::{Pose2, Pose3, Twist, lift};
 use rumbo_core::map::{CellClass, Grid};
 use rumbo_core::messages::{LaserScan, Path, PointCloud};
 use rumbo_core::time::Time;
+use std::ops::Range;
 
 /// When, and in which frame.
 #[derive(Debug, Clone, Copy)]
@@ -32,8 +33,8 @@ fn put_pose3(cdr: &mut CdrWriter, pose: &Pose3) {
     cdr.array(&[t.x, t.y, t.z, q.i, q.j, q.k, q.w]);
 }
 
-/// A planar scan.
-pub fn put_scan(cdr: &mut CdrWriter, at: Stamped<'_>, scan: &LaserScan) {
+/// A planar scan; where its ranges and intensities stand.
+pub fn put_scan(cdr: &mut CdrWriter, at: Stamped<'_>, scan: &LaserScan) -> Range<usize> {
     put_stamped(cdr.begin(), at);
     let n_steps = scan.ranges_m.len().saturating_sub(1);
     let per_step = if n_steps > 0 { scan.sweep_s / n_steps as f64 } else { 0.0 };
@@ -44,12 +45,14 @@ pub fn put_scan(cdr: &mut CdrWriter, at: Stamped<'_>, scan: &LaserScan) {
     cdr.f32(scan.sweep_s as f32);
     cdr.f32(scan.min_range_m);
     cdr.f32(scan.max_range_m);
+    let start = cdr.bytes().len();
     cdr.f32s(&scan.ranges_m);
     cdr.f32s(&scan.intensities);
+    start..cdr.bytes().len()
 }
 
-/// Points in space.
-pub fn put_cloud(cdr: &mut CdrWriter, at: Stamped<'_>, cloud: &PointCloud) {
+/// Points in space; where their numbers stand.
+pub fn put_cloud(cdr: &mut CdrWriter, at: Stamped<'_>, cloud: &PointCloud) -> Range<usize> {
     /// `sensor_msgs/PointField.FLOAT32`.
     const FLOAT32: u8 = 7;
     const POINT_BYTES: usize = 12;
@@ -67,9 +70,13 @@ pub fn put_cloud(cdr: &mut CdrWriter, at: Stamped<'_>, cloud: &PointCloud) {
     cdr.bool(false);
     cdr.length(POINT_BYTES);
     cdr.length(POINT_BYTES * n_points);
-    let bytes: Vec<u8> = cloud.points_m.as_flattened().iter().flat_map(|part| part.to_le_bytes()).collect();
-    cdr.octets(&bytes);
+    // Four octets each, aligned behind their length as numbers are.
+    cdr.length(POINT_BYTES * n_points);
+    let start = cdr.bytes().len();
+    cdr.array32(cloud.points_m.as_flattened());
+    let end = cdr.bytes().len();
     cdr.bool(false);
+    start..end
 }
 
 /// A place and its covariance of x, y, z, roll, pitch, yaw.
@@ -107,16 +114,11 @@ pub fn put_grid(cdr: &mut CdrWriter, at: Stamped<'_>, grid: &Grid) {
     cdr.u32(grid.width());
     cdr.u32(grid.height());
     put_pose3(cdr, &lift(&grid.map_from_grid()));
-    let cells: Vec<u8> = grid
-        .cells
-        .iter()
-        .map(|log_odds| match grid.class_of(*log_odds) {
-            CellClass::Free => 0,
-            CellClass::Occupied => 100,
-            CellClass::Unknown => UNKNOWN,
-        })
-        .collect();
-    cdr.octets(&cells);
+    cdr.octets_of(grid.cells.iter().map(|log_odds| match grid.class_of(*log_odds) {
+        CellClass::Free => 0,
+        CellClass::Occupied => 100,
+        CellClass::Unknown => UNKNOWN,
+    }));
 }
 
 /// Where frames are: parent, child, and `parent_from_child`.

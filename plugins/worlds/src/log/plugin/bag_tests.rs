@@ -50,6 +50,46 @@ fn bag(name: &str) -> TempBag {
     TempBag(path)
 }
 
+/// The same bag, packed by the format's own writer as `ros2 bag record` does.
+fn packed(bag: &TempBag, name: &str, compression: Option<mcap::Compression>) -> TempBag {
+    let bytes = std::fs::read(&bag.0).unwrap();
+    let options = mcap::WriteOptions::new().profile("ros2").compression(compression).chunk_size(Some(500));
+    let mut writer = options.create(Cursor::new(Vec::new())).unwrap();
+    for message in mcap::MessageStream::new(&bytes).unwrap() {
+        writer.write(&message.unwrap()).unwrap();
+    }
+    writer.finish().unwrap();
+    let path = std::env::temp_dir().join(format!("rumbo-bag-{name}-{}.mcap", std::process::id()));
+    std::fs::write(&path, writer.into_inner().into_inner()).unwrap();
+    TempBag(path)
+}
+
+#[test]
+fn bags_that_are_packed_play_the_same_and_up_to_a_cut() {
+    let plain = bag("plain");
+    let played = |bag: &TempBag| {
+        let mut world = build(&params(bag, &[("laser", "/scan")])).unwrap();
+        play(world.as_mut(), &Probe::Channel { name: "laser" })
+    };
+    let (expected, _) = played(&plain);
+    assert_eq!(expected.len(), 9);
+    for (name, compression) in
+        [("unpacked", None), ("lz4", Some(mcap::Compression::Lz4)), ("zstd", Some(mcap::Compression::Zstd))]
+    {
+        let file = packed(&plain, name, compression);
+        assert_eq!(played(&file), (expected.clone(), Vec::new()), "{name}");
+        let bytes = std::fs::read(&file.0).unwrap();
+        // Every piece says how it is packed.
+        let is_packed = bytes.windows(name.len()).any(|window| window == name.as_bytes());
+        assert_eq!(is_packed, compression.is_some(), "{name}");
+        // The index at the end is about half of so short a file.
+        std::fs::write(&file.0, &bytes[..bytes.len() * 2 / 5]).unwrap();
+        let (cut, notices) = played(&file);
+        assert!(cut.len() > 1 && cut.len() < 9 && cut[..] == expected[..cut.len()], "{name}: {}", cut.len());
+        assert_eq!(notices.len(), 1, "{name}: {notices:?}");
+    }
+}
+
 fn params(bag: &TempBag, channels: &[(&str, &str)]) -> LogParams {
     let channels = channels.iter().map(|(sensor, topic)| ((*sensor).to_owned(), (*topic).to_owned()));
     LogParams { file: bag.0.clone(), channels: channels.collect(), ..LogParams::default() }
