@@ -31,8 +31,9 @@ pub struct Cli {
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     color: Color,
     /// A shared library with more plugins; may be given several times
-    #[arg(long = "plugin", global = true, value_name = "FILE")]
-    plugins: Vec<PathBuf>,
+    // A verb may have an argument called `plugins` of its own.
+    #[arg(long = "plugin", id = "library", global = true, value_name = "FILE")]
+    libraries: Vec<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -67,7 +68,7 @@ pub fn main() -> ExitCode {
         Color::Always => Some(true),
         Color::Never => Some(false),
     });
-    load::use_libraries(&cli.plugins);
+    load::use_libraries(&cli.libraries);
     on_log(move |log| terminal.say(format!("{}: {}: {}", log.target, log.level, log.message)));
     let result = match &cli.verb {
         Verb::Run(args) => run::run(args, &terminal),

@@ -1,9 +1,11 @@
 //! Asking planners, beside the step: a plan never delays control.
 
+use super::at_work::{AtWork, Place};
 use super::events::{Event, EventKind};
 use super::navigator::{Navigator, Outcome};
 use super::order::State;
 use super::schedule::{Schedule, TaskId};
+use super::watchdog::{Lost, Patience};
 use crate::frames::{Point2, Pose2};
 use crate::map::{Grid, Map};
 use crate::messages::{Check, Goal, Path};
@@ -31,6 +33,9 @@ struct Running {
     job: BackgroundJob<Planned>,
     goal: Goal,
     by_fallback: bool,
+    asked: Time,
+    /// It works on a thread of its own, in the world's own time.
+    is_beside: bool,
 }
 
 /// What a plan starts from.
@@ -60,12 +65,30 @@ pub(super) struct Planning {
     /// Debug drawings of the last plan.
     pub drawings: Vec<Drawing>,
     running: Option<Running>,
+    /// How long a planner on a thread of its own is waited for.
+    pub patience: Patience,
+    at_work: Arc<AtWork>,
 }
 
 impl Planning {
     /// Nothing asked yet.
-    pub fn new(main: Option<PlannerSeat>, fallback: Option<PlannerSeat>, robot: Arc<Robot>) -> Planning {
-        Planning { main, fallback, task: None, robot, grid: None, drawings: Vec::new(), running: None }
+    pub fn new(
+        main: Option<PlannerSeat>,
+        fallback: Option<PlannerSeat>,
+        robot: Arc<Robot>,
+        at_work: Arc<AtWork>,
+    ) -> Planning {
+        Planning {
+            main,
+            fallback,
+            task: None,
+            robot,
+            grid: None,
+            drawings: Vec::new(),
+            running: None,
+            patience: Patience::default(),
+            at_work,
+        }
     }
 
     /// When an answer will come that is known to come.
@@ -106,7 +129,7 @@ impl Planning {
         let seat = if by_fallback { &mut self.fallback } else { &mut self.main };
         let Some(seat) = seat else { return self.straight(nav, at, events) };
         let Some(mut planner) = seat.planner.take() else {
-            let gone = "the planner panicked before and is gone".to_owned();
+            let gone = "the planner is gone: it panicked, or did not come back".to_owned();
             return nav.end(at.now, Outcome::PlannerFailed(gone), events);
         };
         let mut request = PlanRequest {
@@ -120,12 +143,16 @@ impl Planning {
             give_up: Default::default(),
             trace: if at.watched { Trace::watched() } else { Trace::unwatched() },
         };
+        let is_beside = seat.background.is_threaded();
+        if !is_beside {
+            self.at_work.enter(place(by_fallback));
+        }
         let job = seat.background.run(at.now, move |give_up| {
             request.give_up = give_up.clone();
             let result = planner.plan(&request);
             Planned { planner, result, drawings: request.trace.take().0 }
         });
-        self.running = Some(Running { job, goal, by_fallback });
+        self.running = Some(Running { job, goal, by_fallback, asked: at.now, is_beside });
     }
 
     /// No planner: the path is the list of waypoints.
@@ -141,7 +168,7 @@ impl Planning {
         let Some(running) = &mut self.running else { return };
         let polled = running.job.poll(at.now);
         let planned = match polled {
-            Ok(None) => return,
+            Ok(None) => return self.wait(nav, at.now, events),
             Ok(Some(planned)) => planned,
             Err(panicked) => {
                 self.running = None;
@@ -165,6 +192,29 @@ impl Planning {
             Err(PlanError::GivenUp) => nav.needs_plan = true,
             Err(error) => self.refuse(error, by_fallback, nav, at, events),
         }
+    }
+
+    /// Asks a planner beside the step to give up when it takes too long, and goes on without one that does not obey: the
+    /// robot stands, and the mission ends.
+    fn wait(&mut self, nav: &mut Navigator, now: Time, events: &mut Vec<Event>) {
+        let Some(running) = self.running.as_ref().filter(|running| running.is_beside) else { return };
+        let waited = (now - running.asked).as_secs();
+        let Patience { step, obey } = self.patience;
+        if waited < step.as_secs_f64() {
+            return;
+        }
+        running.job.give_up();
+        if waited < (step + obey).as_secs_f64() {
+            return;
+        }
+        let lost =
+            Lost { who: self.at_work.name(place(running.by_fallback)).to_owned(), patience: self.patience };
+        if let Some(running) = self.running.take() {
+            running.job.abandon();
+        }
+        let (stage, error) = ("planner".to_owned(), lost.to_string());
+        events.push(Event { stamp: now, kind: EventKind::StageFailed { stage, error } });
+        nav.end(now, Outcome::PlannerFailed(lost.to_string()), events);
     }
 
     fn accept(&mut self, path: Path, nav: &mut Navigator, now: Time, events: &mut Vec<Event>) {
@@ -210,6 +260,10 @@ impl Planning {
         };
         nav.end(at.now, outcome, events);
     }
+}
+
+fn place(by_fallback: bool) -> Place {
+    if by_fallback { Place::Fallback } else { Place::Planner }
 }
 
 /// The map's grid with everything that the navigator remembers.
