@@ -1,4 +1,6 @@
 //! Plugins through the binary boundary: ours, other people's, and broken ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, unsafe_code, missing_docs)]
 
+mod compiler;
+mod header;
 mod same_answers;

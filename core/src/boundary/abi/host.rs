@@ -105,7 +105,8 @@ pub struct rumbo_host {
     /// A pooled array of zeros for points.
     pub lend_point3: unsafe extern "C" fn(out: *mut rumbo_observations, len: usize) -> rumbo_point3_array,
     /// Adds an observation. References of its arrays are given away: `RUMBO_OK`, or `RUMBO_BAD_NUMBER` where the
-    /// struct does not hold together.
+    /// struct does not hold together, `RUMBO_UNSUPPORTED` where the host does not know its kind; the whole call fails
+    /// then.
     pub observe:
         unsafe extern "C" fn(out: *mut rumbo_observations, observation: *const rumbo_observation) -> i32,
 

@@ -123,8 +123,6 @@ pub struct rumbo_obstacle {
 pub struct rumbo_plan_request {
     /// Bytes of this struct.
     pub size: usize,
-    /// When it was asked.
-    pub call: rumbo_call,
     /// The map, without obstacles.
     pub map: *const rumbo_map,
     /// The map's grid with all obstacles as occupied; null where the map has no grid.
@@ -391,8 +389,8 @@ pub struct rumbo_answer {
     pub n_contacts: usize,
     /// Bearings of contacts in the base frame, radians.
     pub contacts_rad: *const f64,
-    /// Marks, exact.
-    pub marks: rumbo_marks,
-    /// Recorded observations, oldest first.
-    pub recorded: rumbo_seen,
+    /// Marks, exact; else null.
+    pub marks: *const rumbo_marks,
+    /// Recorded observations, oldest first; else null.
+    pub recorded: *const rumbo_seen,
 }

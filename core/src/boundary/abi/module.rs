@@ -4,7 +4,7 @@ use super::basic::rumbo_error;
 use super::basic::{rumbo_point, rumbo_pose3, rumbo_str};
 use super::host::rumbo_host;
 use super::inputs::rumbo_bytes_out;
-use std::ffi::{c_char, c_void};
+use std::ffi::c_void;
 
 /// First bytes of every module record: "RUMBOPLG".
 pub const RUMBO_MAGIC: u64 = 0x474c_504f_424d_5552;
@@ -287,7 +287,7 @@ pub struct rumbo_context {
     pub world_recording: rumbo_str,
     /// Time that inline background work takes, nanoseconds.
     pub latency_ns: i64,
-    /// Raised when all work shall stop.
+    /// Raised when all work shall stop; lives as long as the instance.
     pub abort: *const rumbo_give_up,
 }
 
@@ -297,7 +297,3 @@ pub type rumbo_plugin_entry = Option<unsafe extern "C" fn(host: *const rumbo_hos
 
 /// Name of the entry symbol, with its zero.
 pub const RUMBO_ENTRY: &[u8; 22] = b"rumbo_plugin_entry_v1\0";
-
-/// Keeps the C name of a byte.
-#[doc(hidden)]
-pub type rumbo_byte = c_char;

@@ -21,6 +21,7 @@ pub struct rumbo_planner_table {
     pub plan: Option<
         unsafe extern "C" fn(
             instance: *mut c_void,
+            call: *const rumbo_call,
             request: *const rumbo_plan_request,
             path: *mut rumbo_path_out,
             error: *mut rumbo_error,

@@ -87,6 +87,23 @@ pub(crate) unsafe fn read<T: Sized1>(from: *const T) -> Option<T> {
     }
 }
 
+/// Writes as much of `from` as the other side's struct, which says its own size, has room for.
+///
+/// # Safety
+/// `to` is null or points to a struct of this kind, of the size that it says.
+pub(crate) unsafe fn write_sized<T: Sized1>(to: *mut T, from: &T) {
+    if to.is_null() || !to.is_aligned() {
+        return;
+    }
+    // SAFETY: as promised by the caller.
+    unsafe {
+        let size = to.cast::<usize>().read();
+        let from = std::ptr::from_ref(from).cast::<u8>();
+        std::ptr::copy_nonoverlapping(from, to.cast::<u8>(), size.min(size_of::<T>()));
+        to.cast::<usize>().write(size);
+    }
+}
+
 /// A view of text.
 pub(crate) fn text_of(text: &str) -> rumbo_str {
     rumbo_str { data: text.as_ptr().cast::<c_char>(), len: text.len() }

@@ -16,7 +16,7 @@ mod robot;
 pub(super) use array::{BadArray, CArray, Hold};
 pub(super) use basic::{
     cut_into, pose2_from, pose3_from, read, rumbo_pose2_of, rumbo_pose3_of, str_from, string_from, text_in,
-    text_of, twist_from, twist_of,
+    text_of, twist_from, twist_of, write_sized,
 };
 pub(super) use estimate::{EstimateLoan, estimate_from, lend_prior, prior_from};
 pub(super) use lend_observation::{SeenLoan, intrinsics_of};

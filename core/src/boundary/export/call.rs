@@ -60,13 +60,8 @@ impl Call {
     pub unsafe fn from(view: *const rumbo_call) -> Result<Call, BadView> {
         // SAFETY: as promised by the caller.
         let view = unsafe { read(view) }.ok_or_else(|| BadView("the call points nowhere".to_owned()))?;
-        Ok(Call::of(&view))
-    }
-
-    /// The same from a view that was read.
-    pub fn of(view: &rumbo_call) -> Call {
         let trace = if view.is_watched != 0 { Trace::watched() } else { Trace::unwatched() };
-        Call { now: Time(view.now_ns), theirs: view.trace, trace }
+        Ok(Call { now: Time(view.now_ns), theirs: view.trace, trace })
     }
 
     /// The time it is.

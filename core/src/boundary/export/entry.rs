@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{cut_into, manifest_of, read, str_from, text_of};
+use super::super::convert::{cut_into, manifest_of, read, str_from, text_of, write_sized};
 use super::super::status::Crosses as _;
 use super::call::bad;
 use super::context::context_from;
@@ -90,10 +90,8 @@ pub(super) unsafe extern "C" fn manifest(
     unsafe {
         guarded(error, |error| match configured(entry, config) {
             Err(fault) => refuse(&fault, error),
-            Ok(_) if out.is_null() || (*out).size < size_of::<rumbo_manifest>() => RUMBO_UNSUPPORTED,
             Ok(configured) => {
-                let size = (*out).size;
-                out.write(rumbo_manifest { size, ..manifest_of(&configured.manifest()) });
+                write_sized(out, &manifest_of(&configured.manifest()));
                 RUMBO_OK
             }
         })

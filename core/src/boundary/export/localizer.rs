@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{BadView, EstimateLoan, map_from, observations_from, prior_from, read};
+use super::super::convert::{BadView, EstimateLoan, map_from, observations_from, prior_from, read, write_sized};
 use super::super::status::Crosses as _;
 use super::call::{Call, bad};
 use super::guard::{caught, guarded};
@@ -112,12 +112,8 @@ pub(super) unsafe fn write_estimate(
     to: *mut rumbo_estimate,
     candidates: *mut rumbo_candidate_out,
 ) -> i32 {
-    let view = loan.lend(estimate);
     // SAFETY: for all blocks below: as promised by the caller.
-    let Some(to) = (unsafe { to.as_mut() }).filter(|to| to.size >= size_of::<rumbo_estimate>()) else {
-        return RUMBO_UNSUPPORTED;
-    };
-    *to = rumbo_estimate { size: to.size, ..view };
+    unsafe { write_sized(to, &loan.lend(estimate)) };
     let found = loan.candidates();
     if !found.is_empty() {
         let Some((out, push)) = unsafe { read(candidates) }.and_then(|out| Some((out, out.push?))) else {

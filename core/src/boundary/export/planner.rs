@@ -67,6 +67,7 @@ unsafe fn request_from(
 
 unsafe extern "C" fn plan(
     this: *mut c_void,
+    call: *const rumbo_call,
     request: *const rumbo_plan_request,
     path: *mut rumbo_path_out,
     error: *mut rumbo_error,
@@ -74,10 +75,11 @@ unsafe extern "C" fn plan(
     // SAFETY: what the host hands over for this call, and an instance that `this` gave.
     unsafe {
         guarded(error, |error| {
-            let (Some(side), Some(view)) = (this.cast::<Side>().as_mut(), read(request)) else {
+            let (Some(side), Ok(mut call), Some(view)) =
+                (this.cast::<Side>().as_mut(), Call::from(call), read(request))
+            else {
                 return RUMBO_ERROR;
             };
-            let mut call = Call::of(&view.call);
             let request = match request_from(&view, &side.robot, &mut call) {
                 Ok(request) => request,
                 Err(view) => return bad(&view, error),

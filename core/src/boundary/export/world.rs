@@ -3,7 +3,7 @@
 
 use super::super::abi::*;
 use super::super::convert::{
-    CArray, Hold, intrinsics_of, marks_from, observations_from, rumbo_pose3_of, slice, string_from, text_of,
+    CArray, Hold, intrinsics_of, marks_from, observations_from, read, rumbo_pose3_of, slice, string_from, text_of,
     twist_from,
 };
 use super::host;
@@ -154,11 +154,12 @@ impl World for HostWorld {
             }),
             RUMBO_ANSWER_POSITION => Answer::Position(a.position_m),
             RUMBO_ANSWER_MARKS => {
-                self.marks = unsafe { marks_from(&a.marks) }.map_err(|b| odd(&b.0))?;
+                let marks = unsafe { read(a.marks) }.ok_or_else(|| odd("no marks"))?;
+                self.marks = unsafe { marks_from(&marks) }.map_err(|b| odd(&b.0))?;
                 Answer::Marks(&self.marks)
             }
             RUMBO_ANSWER_RECORDED => {
-                unsafe { observations_from(&raw const a.recorded, &mut self.recorded) }
+                unsafe { observations_from(a.recorded, &mut self.recorded) }
                     .map_err(|b| odd(&b.0))?;
                 Answer::Recorded(&self.recorded)
             }

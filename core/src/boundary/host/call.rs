@@ -8,7 +8,7 @@ use crate::stages::{Cx, GiveUp};
 use crate::time::Time;
 use crate::trace::Trace;
 use std::ffi::c_void;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Which plugin of which file, for messages.
 #[derive(Debug, Clone)]
@@ -30,7 +30,7 @@ pub(super) struct Instance {
     this: *mut c_void,
     destroy: Option<unsafe extern "C" fn(*mut c_void)>,
     who: Who,
-    poisoned: Option<String>,
+    poisoned: OnceLock<String>,
     error: Box<rumbo_error>,
     // What was handed over when the instance was made and lives as long as it.
     _rng: Box<Rng>,
@@ -57,7 +57,7 @@ impl Instance {
         kept: Kept,
     ) -> Instance {
         let error = Box::new(rumbo_error::none());
-        Instance { this, destroy, who, poisoned: None, error, _rng: kept.rng, _abort: kept.abort }
+        Instance { this, destroy, who, poisoned: OnceLock::new(), error, _rng: kept.rng, _abort: kept.abort }
     }
 
     /// Calls one of its functions.
@@ -65,7 +65,7 @@ impl Instance {
         &mut self,
         function: impl FnOnce(*mut c_void, *mut rumbo_error) -> i32,
     ) -> Result<(), E> {
-        if let Some(before) = &self.poisoned {
+        if let Some(before) = self.poisoned.get() {
             return Err(E::other(format!("{} is not called again: it {before}", self.who)));
         }
         self.error.clear();
@@ -73,9 +73,7 @@ impl Instance {
             RUMBO_OK => Ok(()),
             RUMBO_PANIC => {
                 let what = format!("panicked: {}", self.error.words(RUMBO_PANIC));
-                let error = E::other(format!("{} {what}", self.who));
-                self.poisoned = Some(what);
-                Err(error)
+                Err(self.poison(what))
             }
             code => Err(E::from_code(code, &self.error)),
         }
@@ -86,15 +84,21 @@ impl Instance {
         &self,
         function: impl FnOnce(*const c_void, *mut rumbo_error) -> i32,
     ) -> Result<(), E> {
-        if let Some(before) = &self.poisoned {
+        if let Some(before) = self.poisoned.get() {
             return Err(E::other(format!("{} is not called again: it {before}", self.who)));
         }
         let mut error = rumbo_error::none();
         match function(self.this.cast_const(), &raw mut error) {
             RUMBO_OK => Ok(()),
-            RUMBO_PANIC => Err(E::other(format!("{} panicked: {}", self.who, error.words(RUMBO_PANIC)))),
+            RUMBO_PANIC => Err(self.poison(format!("panicked: {}", error.words(RUMBO_PANIC)))),
             code => Err(E::from_code(code, &error)),
         }
+    }
+
+    fn poison<E: SaysOther>(&self, what: String) -> E {
+        let error = E::other(format!("{} {what}", self.who));
+        let _ = self.poisoned.set(what);
+        error
     }
 
     /// An answer that does not hold together.

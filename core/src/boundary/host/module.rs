@@ -5,6 +5,7 @@
 use super::super::abi::*;
 use super::super::convert::{read, str_from, string_from};
 use crate::registry::Stage;
+use std::mem::offset_of;
 
 /// Why a library's record is refused.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -80,6 +81,10 @@ pub(super) struct ModuleInfo {
     pub build_info: String,
 }
 
+/// Bytes of a module record in ABI 1.0; what is appended later must be read behind a look at `size`.
+const SMALLEST_MODULE: usize = offset_of!(rumbo_module, entries) + size_of::<*const *const rumbo_entry>();
+const _: () = assert!(SMALLEST_MODULE == size_of::<rumbo_module>());
+
 /// Entries of one library at most.
 const MOST_ENTRIES: usize = 1024;
 /// Bytes of a text in a record at most.
@@ -125,7 +130,7 @@ pub(super) unsafe fn records(module: *const rumbo_module) -> Result<(ModuleInfo,
     if magic != RUMBO_MAGIC {
         return Err(ModuleError::Magic { found: magic });
     }
-    let (found, least) = unsafe { ((*module).size, size_of::<rumbo_module>()) };
+    let (found, least) = unsafe { ((*module).size, SMALLEST_MODULE) };
     if found < least {
         return Err(ModuleError::Size { found, least });
     }

@@ -44,9 +44,9 @@ impl Planner for DynPlanner {
         self.obstacles.clear();
         self.obstacles.extend(request.obstacles.iter().map(obstacle_of));
         let flag = Arc::new(request.give_up.clone());
+        let call = lend_call(request.stamp, &request.trace);
         let view = rumbo_plan_request {
             size: size_of::<rumbo_plan_request>(),
-            call: lend_call(request.stamp, &request.trace),
             map: &raw const map,
             grid: grid.as_ref().map_or(std::ptr::null(), std::ptr::from_ref),
             start: rumbo_pose2_of(&request.start),
@@ -63,8 +63,11 @@ impl Planner for DynPlanner {
             push: Some(Pushed::<rumbo_path_point>::push),
             cost: 0.0,
         };
-        // SAFETY: a function of the instance's own table, with views that live until it returns.
-        self.instance.call(|this, error| unsafe { plan(this, &raw const view, &raw mut out, error) })?;
+        self.instance.call::<PlanError>(|this, error| {
+            let (call, view) = (&raw const call, &raw const view);
+            // SAFETY: a function of the instance's own table, with views that live until it returns.
+            unsafe { plan(this, call, view, &raw mut out, error) }
+        })?;
         if self.points.is_too_much {
             return Err(PlanError::Other(self.instance.nonsense("a path without end")));
         }

@@ -4,7 +4,7 @@
 use super::super::abi::*;
 use super::super::convert::SeenLoan;
 use super::call::{Instance, lend_cx};
-use super::world::{OutHandle, WorldHandle};
+use super::world::{AnswerViews, OutHandle, WorldHandle};
 use crate::messages::{Observations, Seen, SensorId};
 use crate::stages::{Cx, Sensor, SensorError, World};
 
@@ -14,12 +14,13 @@ pub(super) struct DynSensor {
     table: rumbo_sensor_table,
     sensor: SensorId,
     seen: SeenLoan,
+    answers: AnswerViews,
 }
 
 impl DynSensor {
     /// Of an instance with its functions.
     pub fn new(instance: Instance, table: rumbo_sensor_table, sensor: SensorId) -> DynSensor {
-        DynSensor { instance, table, sensor, seen: SeenLoan::default() }
+        DynSensor { instance, table, sensor, seen: SeenLoan::default(), answers: AnswerViews::default() }
     }
 }
 
@@ -34,12 +35,13 @@ impl Sensor for DynSensor {
             return Err(SensorError::Other("the plugin has no function `poll`".to_owned()));
         };
         let call = lend_cx(cx);
-        let mut world = WorldHandle::new(world, &mut self.seen);
+        let mut world = WorldHandle::new(world, &mut self.answers);
         let mut out = OutHandle::new(out, self.sensor);
-        self.instance.call(|this, error| {
+        self.instance.call::<SensorError>(|this, error| {
             // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
             unsafe { poll(this, &raw const call, world.lend(), out.lend(), error) }
-        })
+        })?;
+        out.end().map_err(|bad| SensorError::Other(self.instance.nonsense(bad)))
     }
 
     fn derive(
@@ -52,9 +54,10 @@ impl Sensor for DynSensor {
         let call = lend_cx(cx);
         let inputs = self.seen.lend(inputs.iter());
         let mut out = OutHandle::new(out, self.sensor);
-        self.instance.call(|this, error| {
+        self.instance.call::<SensorError>(|this, error| {
             // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
             unsafe { derive(this, &raw const call, &raw const inputs, out.lend(), error) }
-        })
+        })?;
+        out.end().map_err(|bad| SensorError::Other(self.instance.nonsense(bad)))
     }
 }

@@ -3,25 +3,36 @@
 
 use super::super::abi::*;
 use super::super::convert::{
-    CArray, Hold, SeenLoan, intrinsics_from, observation_from, pose3_from, read, slice, str_from, text_of,
-    twist_of,
+    BadView, CArray, Hold, SeenLoan, intrinsics_from, observation_from, pose3_from, read, slice, str_from, text_of,
+    twist_of, write_sized,
 };
 use crate::frames::Pose3;
 use crate::messages::{Observations, SensorId};
 use crate::stages::{Answer, Probe, World};
 use std::ffi::c_void;
 
+/// Storage for the views of an answer, kept from probe to probe.
+#[derive(Default)]
+pub(super) struct AnswerViews {
+    loan: SeenLoan,
+    marks: Option<rumbo_marks>,
+    recorded: Option<rumbo_seen>,
+}
+
+// SAFETY: the raw pointers are read only until the next probe, on the thread that asked.
+unsafe impl Send for AnswerViews {}
+
 /// The world during one call.
 pub(super) struct WorldHandle<'a> {
     world: &'a mut dyn World,
-    seen: &'a mut SeenLoan,
+    views: &'a mut AnswerViews,
     why: String,
 }
 
 impl<'a> WorldHandle<'a> {
     /// For one call.
-    pub fn new(world: &'a mut dyn World, seen: &'a mut SeenLoan) -> WorldHandle<'a> {
-        WorldHandle { world, seen, why: String::new() }
+    pub fn new(world: &'a mut dyn World, views: &'a mut AnswerViews) -> WorldHandle<'a> {
+        WorldHandle { world, views, why: String::new() }
     }
 
     /// The handle; holds as long as this is borrowed.
@@ -75,7 +86,7 @@ pub(super) unsafe extern "C" fn probe(
         match handle.world.probe(&question) {
             Ok(found) => {
                 let mut to = blank();
-                fill(&mut to, &found, handle.seen);
+                fill(&mut to, &found, handle.views);
                 write_sized(answer, &to);
                 RUMBO_OK
             }
@@ -175,23 +186,12 @@ pub(in super::super) fn blank() -> rumbo_answer {
         position_m: [0.0; 3],
         n_contacts: 0,
         contacts_rad: std::ptr::null(),
-        marks: rumbo_marks {
-            size: size_of::<rumbo_marks>(),
-            len: 0,
-            marks: std::ptr::null(),
-            range_deviation_m: 0.0,
-            bearing_deviation_rad: 0.0,
-        },
-        recorded: rumbo_seen {
-            size: size_of::<rumbo_seen>(),
-            len: 0,
-            stride: size_of::<rumbo_observation>(),
-            first: std::ptr::null(),
-        },
+        marks: std::ptr::null(),
+        recorded: std::ptr::null(),
     }
 }
 
-fn fill(to: &mut rumbo_answer, found: &Answer<'_>, seen: &mut SeenLoan) {
+fn fill(to: &mut rumbo_answer, found: &Answer<'_>, views: &mut AnswerViews) {
     match found {
         Answer::Ranges(ranges) => {
             (to.kind, to.n_ranges, to.ranges_m) = (RUMBO_ANSWER_RANGES, ranges.len(), ranges.as_ptr());
@@ -215,25 +215,15 @@ fn fill(to: &mut rumbo_answer, found: &Answer<'_>, seen: &mut SeenLoan) {
             to.kind = RUMBO_ANSWER_CONTACTS;
             (to.n_contacts, to.contacts_rad) = (contacts.len(), contacts.as_ptr());
         }
-        Answer::Marks(marks) => (to.kind, to.marks) = (RUMBO_ANSWER_MARKS, seen.lend_marks(marks)),
+        Answer::Marks(marks) => {
+            to.kind = RUMBO_ANSWER_MARKS;
+            to.marks = std::ptr::from_ref(views.marks.insert(views.loan.lend_marks(marks)));
+        }
         Answer::Recorded(recorded) => {
-            (to.kind, to.recorded) = (RUMBO_ANSWER_RECORDED, seen.lend(recorded.iter()));
+            to.kind = RUMBO_ANSWER_RECORDED;
+            to.recorded = std::ptr::from_ref(views.recorded.insert(views.loan.lend(recorded.iter())));
         }
         Answer::Live => to.kind = RUMBO_ANSWER_LIVE,
-    }
-}
-
-/// Writes as much of `from` as the plugin's struct, which says its own size, has room for.
-///
-/// # Safety
-/// `to` points to a struct of the size that it says.
-unsafe fn write_sized(to: *mut rumbo_answer, from: &rumbo_answer) {
-    // SAFETY: as promised by the caller.
-    unsafe {
-        let size = to.cast::<usize>().read();
-        let from = std::ptr::from_ref(from).cast::<u8>();
-        std::ptr::copy_nonoverlapping(from, to.cast::<u8>(), size.min(size_of::<rumbo_answer>()));
-        to.cast::<usize>().write(size);
     }
 }
 
@@ -241,17 +231,24 @@ unsafe fn write_sized(to: *mut rumbo_answer, from: &rumbo_answer) {
 pub(super) struct OutHandle<'a> {
     out: &'a mut Observations,
     sensor: SensorId,
+    /// The first observation that was refused: a plugin may overlook the status.
+    refused: Option<BadView>,
 }
 
 impl<'a> OutHandle<'a> {
     /// For one call of one sensor.
     pub fn new(out: &'a mut Observations, sensor: SensorId) -> OutHandle<'a> {
-        OutHandle { out, sensor }
+        OutHandle { out, sensor, refused: None }
     }
 
     /// The handle; holds as long as this is borrowed.
     pub fn lend(&mut self) -> *mut rumbo_observations {
         std::ptr::from_mut(self).cast::<c_void>().cast()
+    }
+
+    /// Whether everything that was pushed held together.
+    pub fn end(self) -> Result<(), BadView> {
+        self.refused.map_or(Ok(()), Err)
     }
 }
 
@@ -283,13 +280,21 @@ pub(super) unsafe extern "C" fn observe(
 ) -> i32 {
     // SAFETY: the output of the present call, and an observation whose references are given.
     unsafe {
-        let (Some(handle), Ok(Some(mut observation))) =
-            (out_of(out), observation_from(observation, Hold::Given))
-        else {
-            return RUMBO_BAD_NUMBER;
-        };
-        observation.sensor = handle.sensor;
-        handle.out.push(observation);
+        let Some(handle) = out_of(out) else { return RUMBO_ERROR };
+        match observation_from(observation, Hold::Given) {
+            Ok(Some(mut observation)) => {
+                observation.sensor = handle.sensor;
+                handle.out.push(observation);
+                RUMBO_OK
+            }
+            Ok(None) => {
+                handle.refused.get_or_insert_with(|| BadView::new("an observation of an unknown kind"));
+                RUMBO_UNSUPPORTED
+            }
+            Err(bad) => {
+                handle.refused.get_or_insert(bad);
+                RUMBO_BAD_NUMBER
+            }
+        }
     }
-    RUMBO_OK
 }
