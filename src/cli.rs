@@ -1,6 +1,7 @@
 //! The command line: verbs, and what becomes of each.
 
 use crate::exit::Failure;
+use crate::run::lost::{Kept, end_when_lost};
 use crate::terminal::Terminal;
 use crate::{
     check, compare, completions, config, eval, load, map, new, plot, plugins, replay, run, schema, test,
@@ -69,6 +70,7 @@ pub fn main() -> ExitCode {
         Color::Never => Some(false),
     });
     load::use_libraries(&cli.libraries);
+    end_when_lost(Kept::default(), terminal);
     on_log(move |log| terminal.say(format!("{}: {}: {}", log.target, log.level, log.message)));
     let result = match &cli.verb {
         Verb::Run(args) => run::run(args, &terminal),
@@ -104,5 +106,11 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn libraries_and_the_arguments_of_verbs_do_not_get_in_each_others_way() {
+        let cli = Cli::try_parse_from(["rumbo", "plugins", "verify", "one", "--plugin", "two.so"]).unwrap();
+        assert_eq!(cli.libraries, [PathBuf::from("two.so")]);
     }
 }

@@ -45,7 +45,9 @@ pub fn folder(name: &str) -> PathBuf {
 }
 
 fn run(mut command: Command) {
-    let out = command.output().unwrap_or_else(|error| panic!("{command:?}: {error}; install a C and a C++ compiler"));
+    let out = command
+        .output()
+        .unwrap_or_else(|error| panic!("{command:?}: {error}; install a C and a C++ compiler"));
     assert!(out.status.success(), "{command:?}\n{}", String::from_utf8_lossy(&out.stderr));
 }
 

@@ -223,7 +223,10 @@ fn c_and_cpp_see_the_layout_that_rust_has() {
 /// The lines of the example in the header's first comment that begin with `start`, without the comment's margin.
 fn example() -> String {
     let preamble = include_str!("header/preamble.h");
-    let lines = preamble.lines().skip_while(|line| !line.contains("#include")).map(|line| line.trim_start_matches(" *"));
+    let lines = preamble
+        .lines()
+        .skip_while(|line| !line.contains("#include"))
+        .map(|line| line.trim_start_matches(" *"));
     lines.take_while(|line| !line.trim_start().starts_with("cc ")).collect::<Vec<_>>().join("\n")
 }
 
@@ -232,5 +235,8 @@ fn the_example_in_the_header_is_a_plugin() {
     let library = compiler::library_of_text(&example(), Language::C, "straight");
     let mut registry = rumbo::registry().unwrap();
     registry.load(Path::new(&library), None).unwrap();
-    assert_eq!(registry.get(rumbo_core::registry::Stage::Planner, "straight").unwrap().summary, "Goes straight");
+    assert_eq!(
+        registry.get(rumbo_core::registry::Stage::Planner, "straight").unwrap().summary,
+        "Goes straight"
+    );
 }

@@ -3,4 +3,7 @@
 
 mod compiler;
 mod header;
+mod nested;
+mod rust_fixture;
 mod same_answers;
+mod third_party_rust;

@@ -2,7 +2,9 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{BadView, EstimateLoan, map_from, observations_from, prior_from, read, write_sized};
+use super::super::convert::{
+    BadView, EstimateLoan, map_from, observations_from, prior_from, read, write_sized,
+};
 use super::super::status::Crosses as _;
 use super::call::{Call, bad};
 use super::guard::{caught, guarded};

@@ -3,8 +3,8 @@
 
 use super::super::abi::*;
 use super::super::convert::{
-    CArray, Hold, intrinsics_of, marks_from, observations_from, read, rumbo_pose3_of, slice, string_from, text_of,
-    twist_from,
+    CArray, Hold, intrinsics_of, marks_from, observations_from, read, rumbo_pose3_of, slice, string_from,
+    text_of, twist_from,
 };
 use super::host;
 use crate::boundary::Buffer;
@@ -159,8 +159,7 @@ impl World for HostWorld {
                 Answer::Marks(&self.marks)
             }
             RUMBO_ANSWER_RECORDED => {
-                unsafe { observations_from(a.recorded, &mut self.recorded) }
-                    .map_err(|b| odd(&b.0))?;
+                unsafe { observations_from(a.recorded, &mut self.recorded) }.map_err(|b| odd(&b.0))?;
                 Answer::Recorded(&self.recorded)
             }
             RUMBO_ANSWER_LIVE => Answer::Live,

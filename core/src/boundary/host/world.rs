@@ -3,8 +3,8 @@
 
 use super::super::abi::*;
 use super::super::convert::{
-    BadView, CArray, Hold, SeenLoan, intrinsics_from, observation_from, pose3_from, read, slice, str_from, text_of,
-    twist_of, write_sized,
+    BadView, CArray, Hold, SeenLoan, intrinsics_from, observation_from, pose3_from, read, slice, str_from,
+    text_of, twist_of, write_sized,
 };
 use crate::frames::Pose3;
 use crate::messages::{Observations, SensorId};
