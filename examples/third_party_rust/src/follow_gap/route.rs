@@ -7,8 +7,9 @@ use rumbo_core::messages::Path;
 #[derive(Debug, Default)]
 pub struct Route {
     points: Vec<Point2>,
-    /// Piece on which the robot was last.
+    /// Piece on which the robot was last, and how much of it lay behind, from 0 to 1.
     piece: usize,
+    along: f64,
 }
 
 /// Where the robot is on its way.
@@ -29,16 +30,19 @@ impl Route {
     pub fn follow(&mut self, path: &Path) {
         self.points.clear();
         self.points.extend(path.points().iter().map(|point| point.position));
-        self.piece = 0;
+        (self.piece, self.along) = (0, 0.0);
     }
 
     /// The point `look_ahead_m` along the path from the place nearest to the robot.
     pub fn ahead(&mut self, robot: Point2, look_ahead_m: f64) -> Ahead {
-        let mut nearest = (f64::INFINITY, self.piece, 0.0);
-        let mut walked_m = 0.0;
+        let mut nearest = (f64::INFINITY, self.piece, self.along);
+        let behind_m =
+            self.pieces().nth(self.piece).map_or(0.0, |(_, (from, to))| (to - from).norm() * self.along);
+        let mut walked_m = -behind_m;
         for (idx, (from, to)) in self.pieces().skip(self.piece) {
             let (along, distance_m) = project(robot, from, to);
-            if distance_m < nearest.0 {
+            // At a corner both pieces are as near: the later one leads on.
+            if distance_m <= nearest.0 {
                 nearest = (distance_m, idx, along);
             }
             walked_m += (to - from).norm();
@@ -47,7 +51,7 @@ impl Route {
             }
         }
         let (_, piece, along) = nearest;
-        self.piece = piece;
+        (self.piece, self.along) = (piece, along);
         let end = self.points.last().copied().unwrap_or(robot);
         let (mut target, mut left_m) = (None, 0.0);
         for (idx, (from, to)) in self.pieces().skip(piece) {
@@ -94,6 +98,16 @@ mod tests {
         assert!((at.left_m - 1.3).abs() < 1e-12);
         let at = route.ahead(Point2::new(1.0, 0.8), 0.5);
         assert!((at.target - Point2::new(1.0, 1.0)).norm() < 1e-12 && (at.left_m - 0.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_long_piece_is_left_at_its_end() {
+        let mut route = route(&[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0)]);
+        for k in 0..40 {
+            route.ahead(Point2::new(0.1 * f64::from(k), 0.0), 0.5);
+        }
+        let at = route.ahead(Point2::new(4.0, 0.6), 0.5);
+        assert!((at.target - Point2::new(4.0, 1.1)).norm() < 1e-12, "{at:?}");
     }
 
     #[test]

@@ -66,6 +66,8 @@ struct Way {
     stamp: Option<Time>,
 }
 
+/// No robot goes farther from one reading to the next, meters.
+const LONGEST_STEP_M: f64 = 1000.0;
 /// Error that each meter of the way adds to the heading, radians.
 const ERROR_RAD_PER_M: f64 = 0.01;
 
@@ -94,7 +96,8 @@ impl Localizer for DeadReckoning {
                 continue;
             }
             let step = way.odom_from_base.inverse() * odometry.odom_from_base;
-            let length_m = step.translation.vector.norm();
+            // An odometer that talks nonsense must not make numbers of the estimate that are none.
+            let length_m = step.translation.vector.norm().min(LONGEST_STEP_M);
             let (error_m, error_rad) = (self.parameters.error_m_per_m * length_m, ERROR_RAD_PER_M * length_m);
             way.map_from_base *= step;
             way.odom_from_base = odometry.odom_from_base;
