@@ -292,12 +292,32 @@ static void draw_wave(const job *job, const rumbo_call *call, size_t n_expanded)
     host->draw_points(call->trace, RUMBO_STR("wave front"), points, len);
 }
 
+/* Meters from the middle of a cell to that of the nearest occupied one within the clearance. */
+static double nearest_m(const job *job, int32_t x, int32_t y)
+{
+    int32_t reach = (int32_t)floor(job->clearance);
+    double nearest = job->clearance;
+    for (int32_t dy = -reach; dy <= reach; dy++) {
+        for (int32_t dx = -reach; dx <= reach; dx++) {
+            if (is_inside(job, x + dx, y + dy) && (job->self->kinds[at(job, x + dx, y + dy)] & OCCUPIED))
+                nearest = fmin(nearest, hypot(dx, dy));
+        }
+    }
+    return nearest * job->grid->resolution_m;
+}
+
 static int32_t refuse_ends(const job *job, const rumbo_plan_request *request, rumbo_error *error)
 {
     uint8_t goal = job->self->kinds[at(job, job->goal_x, job->goal_y)];
     uint8_t start = job->self->kinds[at(job, job->start_x, job->start_y)];
-    if (goal != 0 && !is_open(job, job->goal_x, job->goal_y)) {
-        const char *found = goal & OCCUPIED ? "occupied" : goal & UNKNOWN ? "unknown" : "too close to an obstacle";
+    if (goal == TOO_CLOSE && !is_open(job, job->goal_x, job->goal_y)) {
+        error->place = request->goal;
+        error->values[0] = nearest_m(job, job->goal_x, job->goal_y);
+        error->values[1] = job->self->clearance_m;
+        return rumbo_fail(error, RUMBO_GOAL_TOO_CLOSE, "the goal is too close to an obstacle");
+    }
+    if (goal & (OCCUPIED | UNKNOWN)) {
+        const char *found = goal & OCCUPIED ? "occupied" : "unknown";
         error->place = request->goal;
         snprintf(error->text, sizeof error->text, "%s", found);
         return rumbo_fail(error, RUMBO_GOAL_OCCUPIED, "the goal is %s", found);

@@ -219,7 +219,8 @@ impl Planning {
 
     fn accept(&mut self, path: Path, nav: &mut Navigator, now: Time, events: &mut Vec<Event>) {
         if let Err(fault) = path.check() {
-            return nav.end(now, Outcome::PlannerFailed(fault.to_string()), events);
+            let reason = format!("the planner gave a path that must not go on: {fault}");
+            return nav.end(now, Outcome::PlannerFailed(reason), events);
         }
         events.push(Event { stamp: now, kind: EventKind::PlanFound { length_m: path.length_m() } });
         nav.follow(path);

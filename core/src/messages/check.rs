@@ -75,10 +75,22 @@ impl Checker {
     }
 
     pub fn pose2(&self, field: &'static str, pose: &Pose2) -> Result<(), MessageFault> {
-        if is_finite2(pose) { Ok(()) } else { self.fail(field, format!("{pose}"), "finite numbers") }
+        if is_finite2(pose) { Ok(()) } else { self.fail(field, told2(pose), "finite numbers") }
     }
 
     pub fn pose3(&self, field: &'static str, pose: &Pose3) -> Result<(), MessageFault> {
-        if is_finite3(pose) { Ok(()) } else { self.fail(field, format!("{pose}"), "finite numbers") }
+        if is_finite3(pose) { Ok(()) } else { self.fail(field, told3(pose), "finite numbers") }
     }
+}
+
+/// A pose on one line.
+fn told2(pose: &Pose2) -> String {
+    let (t, r) = (&pose.translation, &pose.rotation);
+    format!("at ({}, {}) m with the heading ({}, {})", t.x, t.y, r.re, r.im)
+}
+
+/// A pose on one line.
+fn told3(pose: &Pose3) -> String {
+    let (t, q) = (&pose.translation, &pose.rotation);
+    format!("at ({}, {}, {}) m with the quaternion ({}, {}, {}, {})", t.x, t.y, t.z, q.i, q.j, q.k, q.w)
 }

@@ -77,21 +77,30 @@ unsafe fn take_voxels(host: &rumbo_host, handle: *mut rumbo_map_mut) -> Option<V
 unsafe fn put(host: &rumbo_host, handle: *mut rumbo_map_mut, map: Map) {
     // SAFETY: for the whole block: as promised by the caller; what is put is given with its reference.
     unsafe {
-        if let Some(grid) = map.grid {
-            let view = give_grid(grid);
-            (host.map_put_grid)(handle, 0, &raw const view);
+        match map.grid {
+            None => (host.map_remove)(handle, RUMBO_LAYER_GRID),
+            Some(grid) => {
+                let view = give_grid(grid);
+                (host.map_put_grid)(handle, 0, &raw const view);
+            }
         }
         for grid in map.coarse_grids {
             let view = give_grid(grid);
             (host.map_put_grid)(handle, 1, &raw const view);
         }
-        if let Some(lines) = map.lines {
-            let view: rumbo_line_array = CArray::give(lines.lines);
-            (host.map_put_lines)(handle, &raw const view);
+        match map.lines {
+            None => (host.map_remove)(handle, RUMBO_LAYER_LINES),
+            Some(lines) => {
+                let view: rumbo_line_array = CArray::give(lines.lines);
+                (host.map_put_lines)(handle, &raw const view);
+            }
         }
-        if let Some(landmarks) = map.landmarks {
-            let view: rumbo_landmark_array = CArray::give(landmarks.landmarks);
-            (host.map_put_landmarks)(handle, &raw const view);
+        match map.landmarks {
+            None => (host.map_remove)(handle, RUMBO_LAYER_LANDMARKS),
+            Some(landmarks) => {
+                let view: rumbo_landmark_array = CArray::give(landmarks.landmarks);
+                (host.map_put_landmarks)(handle, &raw const view);
+            }
         }
         match map.voxels {
             None => (host.map_remove)(handle, RUMBO_LAYER_VOXELS),

@@ -95,7 +95,10 @@ impl DynAvoider {
         match steering.kind {
             RUMBO_DRIVE => Ok(Steering::Drive(twist_from(&steering.twist))),
             RUMBO_ARRIVED => Ok(Steering::Arrived),
-            RUMBO_BLOCKED if !self.found.is_too_much => {
+            RUMBO_BLOCKED => {
+                if let Some(fault) = self.found.fault("a list of obstacles") {
+                    return Err(AvoidError::Other(self.instance.nonsense(fault)));
+                }
                 let mut obstacles = Vec::new();
                 let found = &self.found.items;
                 // SAFETY: the list is our own.
@@ -103,7 +106,6 @@ impl DynAvoider {
                     .map_err(|bad| AvoidError::Other(self.instance.nonsense(bad)))?;
                 Ok(Steering::Blocked { obstacles })
             }
-            RUMBO_BLOCKED => Err(AvoidError::Other(self.instance.nonsense("obstacles without end"))),
             other => Err(AvoidError::Other(self.instance.nonsense(format!("steering of the kind {other}")))),
         }
     }

@@ -75,7 +75,10 @@ impl Instance {
                 let what = format!("panicked: {}", self.error.words(RUMBO_PANIC));
                 Err(self.poison(what))
             }
-            code => Err(E::from_code(code, &self.error)),
+            code => {
+                name_the_silent(&mut self.error, code, &self.who);
+                Err(E::from_code(code, &self.error))
+            }
         }
     }
 
@@ -91,7 +94,10 @@ impl Instance {
         match function(self.this.cast_const(), &raw mut error) {
             RUMBO_OK => Ok(()),
             RUMBO_PANIC => Err(self.poison(format!("panicked: {}", error.words(RUMBO_PANIC)))),
-            code => Err(E::from_code(code, &error)),
+            code => {
+                name_the_silent(&mut error, code, &self.who);
+                Err(E::from_code(code, &error))
+            }
         }
     }
 
@@ -104,6 +110,13 @@ impl Instance {
     /// An answer that does not hold together.
     pub fn nonsense(&self, what: impl std::fmt::Display) -> String {
         format!("{} gave an answer that does not hold together: {what}", self.who)
+    }
+}
+
+/// Says who failed where the plugin says nothing.
+fn name_the_silent(error: &mut rumbo_error, code: i32, who: &Who) {
+    if error.message().is_empty() {
+        error.say(&format!("{who} failed with status {code} and said nothing"));
     }
 }
 
@@ -137,23 +150,34 @@ pub(super) struct Pushed<T> {
     /// What has come.
     pub items: Vec<T>,
     /// More than anybody can mean.
-    pub is_too_much: bool,
+    is_too_much: bool,
+    /// A list that points nowhere.
+    is_broken: bool,
 }
 
-/// Elements at most: a plugin that pushes for ever must not eat the memory.
-const MOST_PUSHED: usize = 1 << 24;
+/// Bytes at most: a plugin that pushes for ever must not eat the memory.
+const MOST_PUSHED: usize = 64 << 20;
 
 impl<T: Copy> Pushed<T> {
     /// Nothing yet.
     pub fn new() -> Pushed<T> {
-        Pushed { items: Vec::new(), is_too_much: false }
+        Pushed { items: Vec::new(), is_too_much: false, is_broken: false }
     }
 
     /// Forgets everything; hands out the pointer for `push`.
     pub fn begin(&mut self) -> *mut c_void {
         self.items.clear();
-        self.is_too_much = false;
+        (self.is_too_much, self.is_broken) = (false, false);
         std::ptr::from_mut(self).cast()
+    }
+
+    /// What is wrong with what was pushed, if anything.
+    pub fn fault(&self, what: &str) -> Option<String> {
+        match (self.is_too_much, self.is_broken) {
+            (true, _) => Some(format!("{what} without end (more than {} MB)", MOST_PUSHED >> 20)),
+            (_, true) => Some(format!("{what} that points nowhere")),
+            _ => None,
+        }
     }
 
     /// Appends: what the `push` of the ABI's outputs does.
@@ -164,9 +188,13 @@ impl<T: Copy> Pushed<T> {
         // SAFETY: as promised by the caller.
         unsafe {
             let Some(pushed) = ctx.cast::<Pushed<T>>().as_mut() else { return };
-            let Ok(items) = super::super::convert::slice(first, len) else { return };
-            if pushed.items.len().saturating_add(len) > MOST_PUSHED {
+            let Ok(items) = super::super::convert::slice(first, len) else {
+                pushed.is_broken = true;
+                return;
+            };
+            if pushed.is_too_much || size_of_val(items) + size_of_val(pushed.items.as_slice()) > MOST_PUSHED {
                 pushed.is_too_much = true;
+                pushed.items = Vec::new();
             } else {
                 pushed.items.extend_from_slice(items);
             }

@@ -37,6 +37,9 @@ pub(super) fn entry(record: Record, library: &Arc<LibraryInfo>) -> Entry {
     }
 }
 
+/// Faults of one section at most.
+const MOST_FAULTS: usize = 1000;
+
 struct Source {
     record: Arc<Record>,
     who: Who,
@@ -115,6 +118,9 @@ impl Source {
         // SAFETY: as above.
         self.ask(config, |entry, config, error| unsafe { parameters(entry, config, &raw mut out, error) })?;
         let wrong = |why: String| ParseFault { path: String::new(), message: format!("{} {why}", self.who) };
+        if let Some(fault) = bytes.fault("parameters") {
+            return Err(wrong(format!("gave {fault}")));
+        }
         let text = String::from_utf8(bytes.items)
             .map_err(|_| wrong("gave parameters that are no UTF-8".to_owned()))?;
         toml::from_str(&text).map_err(|e| wrong(format!("gave parameters that are no TOML: {}", e.message())))
@@ -127,6 +133,10 @@ unsafe extern "C" fn push_fault(ctx: *mut c_void, path: rumbo_str, message: rumb
         let Some(faults) = ctx.cast::<Vec<BuildError>>().as_mut() else { return };
         let fault = BuildError::at(string_from(path), string_from(message));
         let help = string_from(help);
+        // Nobody reads more of them.
+        if faults.len() >= MOST_FAULTS {
+            return;
+        }
         faults.push(if help.is_empty() { fault } else { fault.help(help) });
     }
 }

@@ -45,7 +45,8 @@ pub enum FileError {
     },
     /// No library at all.
     #[error(
-        "is no shared library, it begins with {found}; build the plugin as a `cdylib` and name the result"
+        "is no shared library, it begins with {found}; build the plugin as a shared library (`cdylib` in Rust, `-shared` \
+         in C) and name the result"
     )]
     NotALibrary {
         /// How it begins.

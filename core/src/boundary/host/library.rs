@@ -56,6 +56,26 @@ type EntryFunction = unsafe extern "C" fn(*const rumbo_host) -> *const rumbo_mod
 #[cfg(feature = "host")]
 static LOADED: Mutex<BTreeMap<PathBuf, Arc<Library>>> = Mutex::new(BTreeMap::new());
 
+/// Opens a library with all its symbols resolved: found only when it is called, a missing one would end the program with
+/// the robot moving.
+///
+/// # Safety
+/// As `libloading::Library::new`.
+#[cfg(feature = "host")]
+unsafe fn opened_now(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    #[cfg(unix)]
+    {
+        use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+        // SAFETY: as promised by the caller.
+        unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map(Into::into)
+    }
+    #[cfg(not(unix))]
+    {
+        // SAFETY: as promised by the caller; other systems resolve everything at once.
+        unsafe { libloading::Library::new(path) }
+    }
+}
+
 impl Library {
     /// The file, as entries name it.
     pub fn origin(&self) -> String {
@@ -85,7 +105,7 @@ impl Library {
             wrong(LoadReason::System(why))
         };
         // SAFETY: loading runs the constructors of the library: this is why only files are loaded that the user named.
-        let library = unsafe { libloading::Library::new(&checked.path) }.map_err(system)?;
+        let library = unsafe { opened_now(&checked.path) }.map_err(system)?;
         // SAFETY: the ABI says which type the symbol has.
         let function = unsafe { library.get::<EntryFunction>(RUMBO_ENTRY) }.map_err(system)?;
         let function: EntryFunction = *function;

@@ -88,8 +88,8 @@ impl AnswerSheet {
         mut estimate: rumbo_estimate,
         instance: &Instance,
     ) -> Result<Estimate, E> {
-        if self.candidates.is_too_much {
-            return Err(E::other(instance.nonsense("candidates without end")));
+        if let Some(fault) = self.candidates.fault("a list of candidates") {
+            return Err(E::other(instance.nonsense(fault)));
         }
         estimate.n_candidates = self.candidates.items.len();
         estimate.candidates = self.candidates.items.as_ptr();

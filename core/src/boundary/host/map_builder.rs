@@ -4,7 +4,7 @@
 use super::super::abi::*;
 use super::super::convert::{EstimateLoan, SeenLoan};
 use super::call::{Instance, lend_cx};
-use super::map_mut::lend_mut;
+use super::map_mut::MapHandle;
 use crate::map::Map;
 use crate::stages::{Cx, MapBuilder, MapError, MapInput};
 
@@ -28,8 +28,10 @@ impl MapBuilder for DynMapBuilder {
         let Some(start) = self.table.start else {
             return Err(MapError::Other("the plugin has no function `start`".to_owned()));
         };
+        let mut map = MapHandle::new(map);
         // SAFETY: a function of the instance's own table; the map is borrowed until it returns.
-        self.instance.call(|this, error| unsafe { start(this, lend_mut(map), error) })
+        self.instance.call::<MapError>(|this, error| unsafe { start(this, map.lend(), error) })?;
+        map.end().map_err(|bad| MapError::Other(self.instance.nonsense(bad)))
     }
 
     fn insert(&mut self, cx: &mut Cx<'_>, input: &MapInput<'_>, map: &mut Map) -> Result<(), MapError> {
@@ -39,10 +41,12 @@ impl MapBuilder for DynMapBuilder {
         let call = lend_cx(cx);
         let seen = self.seen.lend(input.seen.iter());
         let estimate = self.estimate.lend(input.estimate);
-        self.instance.call(|this, error| {
+        let mut map = MapHandle::new(map);
+        self.instance.call::<MapError>(|this, error| {
             let (call, seen, estimate) = (&raw const call, &raw const seen, &raw const estimate);
             // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
-            unsafe { insert(this, call, seen, estimate, lend_mut(map), error) }
-        })
+            unsafe { insert(this, call, seen, estimate, map.lend(), error) }
+        })?;
+        map.end().map_err(|bad| MapError::Other(self.instance.nonsense(bad)))
     }
 }

@@ -182,7 +182,7 @@ unsafe fn entry_pointers(module: &rumbo_module) -> Result<Vec<*const rumbo_entry
 
 unsafe fn text(view: rumbo_str, what: &str) -> Result<String, String> {
     if view.len > LONGEST_TEXT {
-        return Err(format!("has a {what} of {} bytes", view.len));
+        return Err(format!("has a {what} of {} bytes, expected at most {LONGEST_TEXT}", view.len));
     }
     // SAFETY: the library vouches for its texts.
     let text = unsafe { str_from(view) };
@@ -210,7 +210,7 @@ unsafe fn record(at: *const rumbo_entry, entry: &rumbo_entry, name: String) -> R
     }
     // SAFETY: the stage says which table lies there.
     if let Some(missing) = unsafe { missing_function(stage, entry) } {
-        return Err(format!("has no function `{missing}` in its table"));
+        return Err(missing);
     }
     // SAFETY: for the four texts: the library vouches for them.
     let (version, summary) = unsafe { (text(entry.version, "version")?, text(entry.summary, "summary")?) };
@@ -220,6 +220,10 @@ unsafe fn record(at: *const rumbo_entry, entry: &rumbo_entry, name: String) -> R
         true => serde_json::json!({ "type": "object", "properties": {}, "additionalProperties": false }),
         false => serde_json::from_str(&schema).map_err(|e| format!("has a schema that is no JSON: {e}"))?,
     };
+    if !schema.is_object() {
+        let expected = r#"expected { "type": "object", "properties": ... }"#;
+        return Err(format!("has a schema that is no JSON object, {expected}"));
+    }
     let defaults = match defaults.is_empty() {
         true => super::config::defaults_of(&schema),
         false => toml::from_str(&defaults)
@@ -228,62 +232,31 @@ unsafe fn record(at: *const rumbo_entry, entry: &rumbo_entry, name: String) -> R
     Ok(Record { at, entry: *entry, stage, name, version, summary, schema, defaults })
 }
 
-/// The first function that the table of this stage must have and has not.
+/// What the table of this stage must have and has not.
 ///
 /// # Safety
 /// `entry.table` is null or points to the table of `stage`.
-unsafe fn missing_function(stage: Stage, entry: &rumbo_entry) -> Option<&'static str> {
-    // SAFETY: for all blocks below: as promised by the caller.
-    match stage {
-        Stage::Planner => {
-            let table = unsafe { read(entry.table.cast::<rumbo_planner_table>()) };
-            first_missing(table.map(|t| [("destroy", t.destroy.is_some()), ("plan", t.plan.is_some())]))
-        }
-        Stage::Avoider => {
-            let table = unsafe { read(entry.table.cast::<rumbo_avoider_table>()) };
-            first_missing(table.map(|t| [("destroy", t.destroy.is_some()), ("steer", t.steer.is_some())]))
-        }
-        Stage::Localizer => {
-            let table = unsafe { read(entry.table.cast::<rumbo_localizer_table>()) };
-            first_missing(table.map(|t| {
-                [
-                    ("destroy", t.destroy.is_some()),
-                    ("start", t.start.is_some()),
-                    ("update", t.update.is_some()),
-                ]
-            }))
-        }
-        Stage::MapBuilder => {
-            let table = unsafe { read(entry.table.cast::<rumbo_map_builder_table>()) };
-            first_missing(table.map(|t| {
-                [
-                    ("destroy", t.destroy.is_some()),
-                    ("start", t.start.is_some()),
-                    ("insert", t.insert.is_some()),
-                ]
-            }))
-        }
-        Stage::Slam => {
-            let table = unsafe { read(entry.table.cast::<rumbo_slam_table>()) };
-            first_missing(table.map(|t| {
-                [
-                    ("destroy", t.destroy.is_some()),
-                    ("start", t.start.is_some()),
-                    ("update", t.update.is_some()),
-                ]
-            }))
-        }
-        Stage::Sensor => {
-            let table = unsafe { read(entry.table.cast::<rumbo_sensor_table>()) };
-            first_missing(table.map(|t| [("destroy", t.destroy.is_some()), ("poll", t.poll.is_some())]))
-        }
-        Stage::World => Some("(any: worlds do not cross yet)"),
+unsafe fn missing_function(stage: Stage, entry: &rumbo_entry) -> Option<String> {
+    macro_rules! need {
+        ($table:ty: $($function:ident),*) => {{
+            // SAFETY: as promised by the caller.
+            match unsafe { read(entry.table.cast::<$table>()) } {
+                None => Some("has no table of functions: `table` points nowhere".to_owned()),
+                Some(table) => {
+                    let functions = [$((stringify!($function), table.$function.is_some())),*];
+                    let missing = functions.into_iter().find(|(_, is_there)| !is_there);
+                    missing.map(|(name, _)| format!("has no function `{name}` in its table"))
+                }
+            }
+        }};
     }
-}
-
-fn first_missing<const N: usize>(functions: Option<[(&'static str, bool); N]>) -> Option<&'static str> {
-    match functions {
-        None => Some("(any: the table points nowhere)"),
-        Some(functions) => functions.into_iter().find(|(_, is_there)| !is_there).map(|(name, _)| name),
+    match stage {
+        Stage::Planner => need!(rumbo_planner_table: destroy, plan),
+        Stage::Avoider => need!(rumbo_avoider_table: destroy, steer),
+        Stage::Localizer => need!(rumbo_localizer_table: destroy, start, update),
+        Stage::MapBuilder => need!(rumbo_map_builder_table: destroy, start, insert),
+        Stage::Slam => need!(rumbo_slam_table: destroy, start, update),
+        Stage::Sensor => need!(rumbo_sensor_table: destroy, poll),
+        Stage::World => Some("is a world, and worlds do not cross yet".to_owned()),
     }
 }

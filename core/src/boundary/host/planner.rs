@@ -68,8 +68,8 @@ impl Planner for DynPlanner {
             // SAFETY: a function of the instance's own table, with views that live until it returns.
             unsafe { plan(this, call, view, &raw mut out, error) }
         })?;
-        if self.points.is_too_much {
-            return Err(PlanError::Other(self.instance.nonsense("a path without end")));
+        if let Some(fault) = self.points.fault("a path") {
+            return Err(PlanError::Other(self.instance.nonsense(fault)));
         }
         path_from(&self.points.items, out.cost)
             .ok_or_else(|| PlanError::Other(self.instance.nonsense("a path without points")))

@@ -5,7 +5,7 @@ use super::super::abi::*;
 use super::super::convert::{SeenLoan, lend_prior};
 use super::call::{Instance, Pushed, lend_cx, push_bytes};
 use super::localizer::AnswerSheet;
-use super::map_mut::lend_mut;
+use super::map_mut::MapHandle;
 use crate::map::Map;
 use crate::messages::{Estimate, Prior, Seen};
 use crate::stages::{Cx, Slam, SlamError};
@@ -31,8 +31,12 @@ impl Slam for DynSlam {
             return Err(SlamError::Other("the plugin has no function `start`".to_owned()));
         };
         let prior = lend_prior(prior);
-        // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
-        self.instance.call(|this, error| unsafe { start(this, &raw const prior, lend_mut(map), error) })
+        let mut map = MapHandle::new(map);
+        self.instance.call::<SlamError>(|this, error| {
+            // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
+            unsafe { start(this, &raw const prior, map.lend(), error) }
+        })?;
+        map.end().map_err(|bad| SlamError::Other(self.instance.nonsense(bad)))
     }
 
     fn update(&mut self, cx: &mut Cx<'_>, seen: Seen<'_>, map: &mut Map) -> Result<Estimate, SlamError> {
@@ -41,12 +45,14 @@ impl Slam for DynSlam {
         };
         let call = lend_cx(cx);
         let seen = self.seen.lend(seen.iter());
+        let mut map = MapHandle::new(map);
         let (mut estimate, mut candidates) = self.answer.begin(cx.now);
         self.instance.call::<SlamError>(|this, error| {
             let (call, seen) = (&raw const call, &raw const seen);
             // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
-            unsafe { update(this, call, seen, lend_mut(map), &raw mut estimate, &raw mut candidates, error) }
+            unsafe { update(this, call, seen, map.lend(), &raw mut estimate, &raw mut candidates, error) }
         })?;
+        map.end().map_err(|bad| SlamError::Other(self.instance.nonsense(bad)))?;
         self.answer.end(estimate, &self.instance)
     }
 
@@ -57,8 +63,8 @@ impl Slam for DynSlam {
         let mut out = rumbo_bytes_out { size, ctx: bytes.begin(), push: Some(push_bytes) };
         // SAFETY: a function of the instance's own table, with an output that lives until it returns.
         self.instance.look::<SlamError>(|this, error| unsafe { save(this, &raw mut out, error) })?;
-        if bytes.is_too_much {
-            return Err(SlamError::Other(self.instance.nonsense("a state of more than 16 MB")));
+        if let Some(fault) = bytes.fault("a saved state") {
+            return Err(SlamError::Other(self.instance.nonsense(fault)));
         }
         Ok(bytes.items)
     }
