@@ -7,6 +7,7 @@ use rumbo_core::document::{to_commented_toml, to_json};
 use rumbo_core::engine::EngineError;
 use rumbo_core::pipeline::{Loaded, Pipeline, RecordTo};
 use rumbo_core::registry::Registry;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
@@ -32,6 +33,12 @@ impl Ready {
             RecordTo::File(path) => Some(path.clone()),
             RecordTo::Usual(is_wanted) => is_wanted.then(usual),
         }
+    }
+
+    /// Checksums of the libraries that this pipeline could name plugins of, each once.
+    pub fn libraries(&self) -> BTreeSet<String> {
+        let libraries = self.loaded.registry.iter().filter_map(|entry| entry.library.as_ref());
+        libraries.map(|library| library.sha256.clone()).collect()
     }
 
     /// The effective file and the origin of each value, for programs.

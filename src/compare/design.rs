@@ -81,7 +81,7 @@ impl Design {
     }
 
     /// A number in hexadecimal digits that changes when the same seed could give another result: of the effective
-    /// pipelines, ranges, world files and the version. More or fewer seeds and missions leave it as it is.
+    /// pipelines, ranges, world files, plugin libraries and the version. More or fewer seeds and missions leave it as it is.
     pub fn fingerprint(&self, registry: &Registry) -> String {
         let mut print = Fingerprint::default();
         print.text(env!("CARGO_PKG_VERSION"));
@@ -95,7 +95,10 @@ impl Design {
                 let mut sets = self.sets_but_chance(&run);
                 sets.push("seed=0".to_owned());
                 match load::load(&self.base, &sets, registry) {
-                    Ok(ready) => print.text(&effective(&ready).to_string()),
+                    Ok(ready) => {
+                        print.text(&effective(&ready).to_string());
+                        ready.libraries().iter().for_each(|library| print.text(library));
+                    }
                     Err(refused) => print.text(&refused.to_json().to_string()),
                 }
             }

@@ -3,7 +3,7 @@
 use crate::nested::{built, fixture, fixture_folder, library, root, rumbo, scratch};
 use rumbo_core::boundary::Buffer;
 use rumbo_core::boundary::host::Library;
-use rumbo_core::engine::{EndReason, Engine, Patience, RunEnd, on_lost};
+use rumbo_core::engine::{EndReason, Engine, RunEnd, StepLimits, on_lost};
 use rumbo_core::frames::{Point2, pose2};
 use rumbo_core::map::{Grid, Map};
 use rumbo_core::messages::{Goal, Obstacle, Path};
@@ -121,7 +121,7 @@ fn run(act: &str) -> RunEnd {
     let ready = rumbo::load::load(&file, &sets, &registry).ok().unwrap();
     let mut engine = Engine::build(&ready.pipeline).unwrap();
     let short = Duration::from_millis(500);
-    engine.set_patience(Patience { step: short, obey: short });
+    engine.set_limits(StepLimits { step: short, obey: short });
     engine.run(&mut [], &AtomicBool::new(false))
 }
 

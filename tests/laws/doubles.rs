@@ -31,6 +31,7 @@ impl Double {
             summary: "made for a test".into(),
             version: "0.0.0".into(),
             origin: "tests".into(),
+            library: None,
             source: Box::new(self),
         }
     }

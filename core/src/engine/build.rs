@@ -192,7 +192,7 @@ impl Engine {
             control_period,
             abort: builder.abort.clone(),
             at_work,
-            patience: Default::default(),
+            limits: Default::default(),
             localization,
             planning,
             avoider,

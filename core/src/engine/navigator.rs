@@ -3,6 +3,7 @@
 use super::events::{Event, EventKind};
 use super::obstacles::ObstacleMemory;
 use super::order::State;
+use super::patience::Patience;
 use crate::frames::Point2;
 use crate::messages::{Goal, Path, Status};
 use crate::pipeline::Mission;
@@ -41,6 +42,8 @@ pub struct Navigator {
     pub needs_plan: bool,
     /// Old obstacles were forgotten once for the present goal: a second time would be an endless tour of closed doors.
     pub has_forgotten: bool,
+    /// Waiting for a way to open.
+    pub patience: Patience,
     /// New plans for the present goal.
     pub replans: u32,
     /// How the last goals ended.
@@ -69,6 +72,7 @@ impl Navigator {
             memory: ObstacleMemory::new(mission),
             needs_plan: false,
             has_forgotten: false,
+            patience: Patience::of(mission.patience_s),
             replans: 0,
             outcome: None,
             shutdown: false,
@@ -111,6 +115,7 @@ impl Navigator {
         self.needs_plan = true;
         self.replans = 0;
         self.has_forgotten = false;
+        self.patience.renew();
         self.anchor = None;
         self.plans_at_anchor = 0;
         self.memory.clear();
@@ -123,6 +128,7 @@ impl Navigator {
     pub fn stop(&mut self) -> Vec<Goal> {
         self.path = None;
         self.needs_plan = false;
+        self.patience.renew();
         self.memory.clear();
         self.goals.drain(..).collect()
     }
@@ -190,6 +196,7 @@ impl Navigator {
     /// A path to follow.
     pub fn follow(&mut self, path: Path) {
         self.path = Some(path);
+        self.patience.renew();
         self.path_number += 1;
     }
 

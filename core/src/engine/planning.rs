@@ -1,11 +1,13 @@
 //! Asking planners, beside the step: a plan never delays control.
 
-use super::at_work::{AtWork, Place};
+mod beside;
+
+use super::at_work::AtWork;
 use super::events::{Event, EventKind};
 use super::navigator::{Navigator, Outcome};
 use super::order::State;
 use super::schedule::{Schedule, TaskId};
-use super::watchdog::{Lost, Patience};
+use super::watchdog::StepLimits;
 use crate::frames::{Point2, Pose2};
 use crate::map::{Grid, Map};
 use crate::messages::{Check, Goal, Path};
@@ -66,7 +68,7 @@ pub(super) struct Planning {
     pub drawings: Vec<Drawing>,
     running: Option<Running>,
     /// How long a planner on a thread of its own is waited for.
-    pub patience: Patience,
+    pub limits: StepLimits,
     at_work: Arc<AtWork>,
 }
 
@@ -86,7 +88,7 @@ impl Planning {
             grid: None,
             drawings: Vec::new(),
             running: None,
-            patience: Patience::default(),
+            limits: StepLimits::default(),
             at_work,
         }
     }
@@ -112,6 +114,9 @@ impl Planning {
         events: &mut Vec<Event>,
     ) {
         let periodic = self.task.is_some_and(|task| schedule.take(task, at.now));
+        if let Some(since) = nav.patience.take_due(at.now) {
+            ask_again(since, nav, at, events);
+        }
         if nav.state != State::Navigating {
             self.give_up();
         } else if (nav.needs_plan || (periodic && nav.path.is_some())) && self.running.is_none() {
@@ -145,7 +150,7 @@ impl Planning {
         };
         let is_beside = seat.background.is_threaded();
         if !is_beside {
-            self.at_work.enter(place(by_fallback));
+            self.at_work.enter(beside::place(by_fallback));
         }
         let job = seat.background.run(at.now, move |give_up| {
             request.give_up = give_up.clone();
@@ -194,29 +199,6 @@ impl Planning {
         }
     }
 
-    /// Asks a planner beside the step to give up when it takes too long, and goes on without one that does not obey: the
-    /// robot stands, and the mission ends.
-    fn wait(&mut self, nav: &mut Navigator, now: Time, events: &mut Vec<Event>) {
-        let Some(running) = self.running.as_ref().filter(|running| running.is_beside) else { return };
-        let waited = (now - running.asked).as_secs();
-        let Patience { step, obey } = self.patience;
-        if waited < step.as_secs_f64() {
-            return;
-        }
-        running.job.give_up();
-        if waited < (step + obey).as_secs_f64() {
-            return;
-        }
-        let lost =
-            Lost { who: self.at_work.name(place(running.by_fallback)).to_owned(), patience: self.patience };
-        if let Some(running) = self.running.take() {
-            running.job.abandon();
-        }
-        let (stage, error) = ("planner".to_owned(), lost.to_string());
-        events.push(Event { stamp: now, kind: EventKind::StageFailed { stage, error } });
-        nav.end(now, Outcome::PlannerFailed(lost.to_string()), events);
-    }
-
     fn accept(&mut self, path: Path, nav: &mut Navigator, now: Time, events: &mut Vec<Event>) {
         if let Err(fault) = path.check() {
             let reason = format!("the planner gave a path that must not go on: {fault}");
@@ -257,14 +239,21 @@ impl Planning {
             PlanError::MissingLayer { .. } | PlanError::NotFinite { .. } | PlanError::Other(_) => {
                 Outcome::PlannerFailed(reason)
             }
+            _ if nav.memory.may_change() && nav.patience.no_way(at.now).is_some() => return,
             _ => Outcome::Unreachable(reason),
         };
         nav.end(at.now, outcome, events);
     }
 }
 
-fn place(by_fallback: bool) -> Place {
-    if by_fallback { Place::Fallback } else { Place::Planner }
+/// The robot has stood without a way since then: somebody may have walked by.
+fn ask_again(since: Time, nav: &mut Navigator, at: &Situation<'_>, events: &mut Vec<Event>) {
+    nav.needs_plan = nav.state == State::Navigating;
+    let n_obstacles = nav.memory.forget_unseen(at.map_from_base.translation.vector.into(), since);
+    if n_obstacles > 0 {
+        let reason = "nothing has seen them beside the robot since there was no way";
+        events.push(Event { stamp: at.now, kind: EventKind::Forgot { n_obstacles, reason } });
+    }
 }
 
 /// The map's grid with everything that the navigator remembers.

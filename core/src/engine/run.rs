@@ -6,7 +6,7 @@ use super::observer::Observer;
 use super::order::State;
 use super::seat::MOST_FAILURES;
 use super::step::{Engine, Stepped};
-use super::watchdog::{Patience, Watchdog};
+use super::watchdog::{StepLimits, Watchdog};
 use crate::frames::Twist;
 use crate::messages::Command;
 use crate::time::Span;
@@ -85,11 +85,11 @@ impl Engine {
 
     /// Steps until the run ends, and shuts down. `interrupt` may be raised from outside at any time.
     pub fn run(&mut self, observers: &mut [&mut dyn Observer], interrupt: &AtomicBool) -> RunEnd {
-        let watchdog = Watchdog::start(self.abort.clone(), self.at_work.clone(), self.patience);
+        let watchdog = Watchdog::start(self.abort.clone(), self.at_work.clone(), self.limits);
         let end = loop {
             let stepped = self.step();
             if watchdog.feed() {
-                let detail = format!("one step took more than {} s", self.patience.step.as_secs_f32());
+                let detail = format!("one step took more than {} s", self.limits.step.as_secs_f32());
                 break RunEnd::new(EndReason::Stalled, Some(detail));
             }
             self.at_work.enter(Place::Nobody);
@@ -120,9 +120,9 @@ impl Engine {
 
     /// How long stages are waited for; for tests, which have less time.
     #[doc(hidden)]
-    pub fn set_patience(&mut self, patience: Patience) {
-        self.patience = patience;
-        self.planning.patience = patience;
+    pub fn set_limits(&mut self, limits: StepLimits) {
+        self.limits = limits;
+        self.planning.limits = limits;
     }
 
     /// The run is over, and this is why.

@@ -13,7 +13,7 @@ use super::schedule::{Schedule, TaskId};
 use super::seat::Seat;
 use super::sense::SensorSeat;
 use super::timing::{Part, StageTimes};
-use super::watchdog::Patience;
+use super::watchdog::StepLimits;
 use super::wish::WishMotion;
 use crate::map::{Layer, Map};
 use crate::messages::{Command, Goal, Observations, Status};
@@ -47,7 +47,7 @@ pub struct Engine {
     pub(super) late: Span,
     pub(super) abort: GiveUp,
     pub(super) at_work: Arc<AtWork>,
-    pub(super) patience: Patience,
+    pub(super) limits: StepLimits,
     pub(super) guard: Guard,
     pub(super) navigator: Navigator,
     pub(super) orders: Vec<Order>,

@@ -12,16 +12,16 @@ use std::time::Duration;
 
 /// How long a stage may take, in wall time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Patience {
+pub struct StepLimits {
     /// For one step; then it is asked to give up.
     pub step: Duration,
     /// To obey; then the stage is lost.
     pub obey: Duration,
 }
 
-impl Default for Patience {
+impl Default for StepLimits {
     fn default() -> Self {
-        Patience { step: Duration::from_secs(30), obey: Duration::from_secs(5) }
+        StepLimits { step: Duration::from_secs(30), obey: Duration::from_secs(5) }
     }
 }
 
@@ -29,13 +29,13 @@ impl Default for Patience {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "{who} does not come back: it was asked to give up after {} s and did not obey for {} s more; a stage must return, and \
-     a planner must look at `give_up`", patience.step.as_secs_f32(), patience.obey.as_secs_f32()
+     a planner must look at `give_up`", limits.step.as_secs_f32(), limits.obey.as_secs_f32()
 )]
 pub struct Lost {
     /// The stage, its plugin and where that comes from.
     pub who: String,
     /// How long it was waited for.
-    pub patience: Patience,
+    pub limits: StepLimits,
 }
 
 type Listener = Box<dyn Fn(&Lost) + Send + Sync>;
@@ -70,10 +70,10 @@ pub(super) struct Watchdog {
 
 impl Watchdog {
     /// Watches from now on; raises `abort` where it loses patience.
-    pub fn start(abort: GiveUp, at_work: Arc<AtWork>, patience: Patience) -> Watchdog {
+    pub fn start(abort: GiveUp, at_work: Arc<AtWork>, limits: StepLimits) -> Watchdog {
         let shared = Arc::new(Shared::default());
         let theirs = shared.clone();
-        let thread = std::thread::spawn(move || watch(&theirs, &abort, &at_work, patience));
+        let thread = std::thread::spawn(move || watch(&theirs, &abort, &at_work, limits));
         Watchdog { shared, thread: Some(thread) }
     }
 
@@ -84,11 +84,11 @@ impl Watchdog {
     }
 }
 
-fn watch(shared: &Shared, abort: &GiveUp, at_work: &AtWork, patience: Patience) {
+fn watch(shared: &Shared, abort: &GiveUp, at_work: &AtWork, limits: StepLimits) {
     let Ok(mut over) = shared.over.lock() else { return };
     while !*over {
         let before = shared.fed.load(Ordering::Relaxed);
-        let Ok((guard, timeout)) = shared.wake.wait_timeout_while(over, patience.step, |over| !*over) else {
+        let Ok((guard, timeout)) = shared.wake.wait_timeout_while(over, limits.step, |over| !*over) else {
             return;
         };
         over = guard;
@@ -99,7 +99,7 @@ fn watch(shared: &Shared, abort: &GiveUp, at_work: &AtWork, patience: Patience) 
         }
         shared.barked.store(true, Ordering::Relaxed);
         abort.raise();
-        let Ok((guard, timeout)) = shared.wake.wait_timeout_while(over, patience.obey, |over| !*over) else {
+        let Ok((guard, timeout)) = shared.wake.wait_timeout_while(over, limits.obey, |over| !*over) else {
             return;
         };
         drop(guard);
@@ -107,7 +107,7 @@ fn watch(shared: &Shared, abort: &GiveUp, at_work: &AtWork, patience: Patience) 
             && timeout.timed_out()
             && shared.fed.load(Ordering::Relaxed) == before
         {
-            tell(&Lost { who: who.to_owned(), patience });
+            tell(&Lost { who: who.to_owned(), limits });
         }
         return;
     }
@@ -137,7 +137,7 @@ mod tests {
         Arc::new(at_work)
     }
 
-    const SHORT: Patience = Patience { step: Duration::from_millis(5), obey: Duration::from_millis(5) };
+    const SHORT: StepLimits = StepLimits { step: Duration::from_millis(5), obey: Duration::from_millis(5) };
 
     #[test]
     fn a_step_that_never_ends_by_itself_is_told_to_give_up_and_a_deaf_stage_is_named() {
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn a_run_that_ends_takes_its_watchdog_along() {
-        let watchdog = Watchdog::start(GiveUp::default(), at_work(Place::World), Patience::default());
+        let watchdog = Watchdog::start(GiveUp::default(), at_work(Place::World), StepLimits::default());
         assert!(!watchdog.feed());
     }
 }

@@ -69,6 +69,9 @@ pub struct Mission {
     pub initial_deviation_deg: f64,
     /// An obstacle that nothing has seen for this long may be forgotten when no way is left, seconds.
     pub obstacle_memory_s: f64,
+    /// When what was found on the way leaves no way, the robot stands and asks again for so long, seconds: somebody may
+    /// be walking by.
+    pub patience_s: f64,
     /// Remove remembered obstacles that a range sensor now sees through.
     pub forget_seen_through: bool,
     /// New plans for one goal at the most; absent for no limit.
@@ -88,6 +91,7 @@ impl Default for Mission {
             initial_deviation_m: 0.05,
             initial_deviation_deg: 2.0,
             obstacle_memory_s: 60.0,
+            patience_s: 10.0,
             forget_seen_through: true,
             max_replans: None,
         }

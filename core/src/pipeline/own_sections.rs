@@ -135,6 +135,7 @@ pub(super) fn mission(node: Option<&Node>, faults: &mut Faults) -> Mission {
         ("initial_deviation_m", Some(value.initial_deviation_m)),
         ("initial_deviation_deg", Some(value.initial_deviation_deg)),
         ("obstacle_memory_s", Some(value.obstacle_memory_s)),
+        ("patience_s", Some(value.patience_s)),
     ];
     let wrong_above = above.into_iter().filter(|(_, number)| number.is_some_and(|number| number <= 0.0));
     let wrong_least = at_least.into_iter().filter(|(_, number)| number.is_some_and(|number| number < 0.0));

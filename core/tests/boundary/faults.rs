@@ -12,6 +12,7 @@ use rumbo_core::registry::{Built, Stage};
 use rumbo_core::stages::*;
 use rumbo_core::time::Time;
 use rumbo_core::trace::Trace;
+use std::sync::Mutex;
 
 const CALL: &str = "panic_in_call = true";
 
@@ -88,6 +89,16 @@ fn a_panic_in_drop_goes_no_further() {
     desk(|desk| assert_eq!(desk.dropped, 1));
 }
 
+/// A record that lives as long as the program, where a leak check can find it.
+fn kept(record: rumbo_module) -> *const rumbo_module {
+    struct Kept(#[expect(dead_code)] *const rumbo_module);
+    unsafe impl Send for Kept {}
+    static KEPT: Mutex<Vec<Kept>> = Mutex::new(Vec::new());
+    let at: *const rumbo_module = Box::into_raw(Box::new(record));
+    KEPT.lock().unwrap().push(Kept(at));
+    at
+}
+
 fn refused(function: unsafe extern "C" fn(*const rumbo_host) -> *const rumbo_module) -> ModuleError {
     unsafe { Library::of_function(function, "odd.so") }.unwrap_err()
 }
@@ -96,7 +107,7 @@ fn refused(function: unsafe extern "C" fn(*const rumbo_host) -> *const rumbo_mod
 fn a_library_that_would_abort_is_refused() {
     unsafe extern "C" fn aborts(host: *const rumbo_host) -> *const rumbo_module {
         let good = unsafe { *module(host, Exporter { ..EXPORTER }) };
-        Box::leak(Box::new(rumbo_module { flags: 0, ..good }))
+        kept(rumbo_module { flags: 0, ..good })
     }
     let error = refused(aborts);
     assert_eq!(error, ModuleError::Aborts);
@@ -110,27 +121,27 @@ fn records_that_do_not_hold_together_are_refused_before_anything_is_called() {
     }
     unsafe extern "C" fn magic(host: *const rumbo_host) -> *const rumbo_module {
         let good = unsafe { *module(host, EXPORTER) };
-        Box::leak(Box::new(rumbo_module { magic: 7, ..good }))
+        kept(rumbo_module { magic: 7, ..good })
     }
     unsafe extern "C" fn major(host: *const rumbo_host) -> *const rumbo_module {
         let good = unsafe { *module(host, EXPORTER) };
-        Box::leak(Box::new(rumbo_module { abi_major: 2, abi_minor: 3, ..good }))
+        kept(rumbo_module { abi_major: 2, abi_minor: 3, ..good })
     }
     unsafe extern "C" fn small(host: *const rumbo_host) -> *const rumbo_module {
         let good = unsafe { *module(host, EXPORTER) };
-        Box::leak(Box::new(rumbo_module { size: 16, ..good }))
+        kept(rumbo_module { size: 16, ..good })
     }
     unsafe extern "C" fn more(host: *const rumbo_host) -> *const rumbo_module {
         let good = unsafe { *module(host, EXPORTER) };
-        Box::leak(Box::new(rumbo_module { n_entries: good.n_entries + 1, ..good }))
+        kept(rumbo_module { n_entries: good.n_entries + 1, ..good })
     }
     unsafe extern "C" fn fewer(host: *const rumbo_host) -> *const rumbo_module {
         let good = unsafe { *module(host, EXPORTER) };
-        Box::leak(Box::new(rumbo_module { n_entries: good.n_entries - 1, ..good }))
+        kept(rumbo_module { n_entries: good.n_entries - 1, ..good })
     }
     unsafe extern "C" fn countless(host: *const rumbo_host) -> *const rumbo_module {
         let good = unsafe { *module(host, EXPORTER) };
-        Box::leak(Box::new(rumbo_module { n_entries: usize::MAX, ..good }))
+        kept(rumbo_module { n_entries: usize::MAX, ..good })
     }
     assert_eq!(refused(nothing), ModuleError::Refused);
     assert_eq!(refused(magic), ModuleError::Magic { found: 7 });

@@ -64,6 +64,23 @@ fn an_old_obstacle_is_forgotten_before_a_goal_is_called_unreachable() {
 }
 
 #[test]
+fn who_walks_by_closes_the_way_for_some_seconds_only() {
+    let waits = |patience_s: f64, keys: &str| {
+        with("waits", |p| {
+            p.avoider = Some(stage(Stage::Avoider, "avoider", "beeline", None, keys));
+            p.planner = Some(stage(Stage::Planner, "forgetful", "line", None, "refuses_obstacles = true"));
+            p.mission.patience_s = patience_s;
+        })
+    };
+    let (end, _, events) = run(&waits(10.0, "blocked_at_s = 2.0"));
+    assert_eq!(end.reason, EndReason::Arrived);
+    assert_eq!(events.count(|e| matches!(e, EventKind::PlanFailed { .. })), 1);
+    let (end, _, events) = run(&waits(0.0, "blocked_at_s = 2.0"));
+    assert_eq!(end.reason, EndReason::Unreachable, "without patience at once");
+    assert_eq!(events.count(|e| matches!(e, EventKind::PlanFailed { .. })), 1);
+}
+
+#[test]
 fn the_second_planner_is_asked_only_when_the_first_refuses() {
     let falls_back = with("falls back", |p| {
         p.planner = Some(stage(Stage::Planner, "first", "line", None, "refuses = true"));

@@ -35,6 +35,14 @@ pub(super) fn host() -> Option<&'static rumbo_host> {
     HOST.get().copied()
 }
 
+/// Says something through the program that loaded this plugin; false where this is that program.
+pub(super) fn log_to_host(level: u32, target: &str, message: &str) -> bool {
+    let Some(host) = host() else { return false };
+    // SAFETY: a function of the host, with views that live until it returns.
+    unsafe { (host.log)(level, text_of(target), text_of(message)) };
+    true
+}
+
 /// What an author's crate says about itself.
 #[derive(Debug, Clone, Copy)]
 pub struct Exporter {

@@ -1,5 +1,7 @@
 //! What plugins say to people: passed on to whoever the program named, and dropped where nobody listens.
 
+use super::super::abi::{RUMBO_LOG_ERROR, RUMBO_LOG_INFO, RUMBO_LOG_WARN};
+use super::super::export::log_to_host;
 use std::sync::RwLock;
 
 /// How much a message matters.
@@ -46,15 +48,44 @@ pub fn on_log(listener: impl Fn(&PluginLog) + Send + Sync + 'static) {
     *slot = Some(Box::new(listener));
 }
 
+/// Says something to people, from a plugin of either tier: `target` is who says it.
+pub fn log(level: LogLevel, target: &str, message: &str) {
+    if !log_to_host(level as u32 + RUMBO_LOG_ERROR, target, message) {
+        tell(&PluginLog { level, target: target.to_owned(), message: message.to_owned() });
+    }
+}
+
 pub(super) fn say(level: u32, target: String, message: String) {
     let level = match level {
-        0 | super::super::abi::RUMBO_LOG_ERROR => LogLevel::Error,
-        super::super::abi::RUMBO_LOG_WARN => LogLevel::Warn,
-        super::super::abi::RUMBO_LOG_INFO => LogLevel::Info,
+        0 | RUMBO_LOG_ERROR => LogLevel::Error,
+        RUMBO_LOG_WARN => LogLevel::Warn,
+        RUMBO_LOG_INFO => LogLevel::Info,
         _ => LogLevel::Debug,
     };
+    tell(&PluginLog { level, target, message });
+}
+
+fn tell(log: &PluginLog) {
     let slot = LISTENER.read().unwrap_or_else(std::sync::PoisonError::into_inner);
     if let Some(listener) = slot.as_ref() {
-        listener(&PluginLog { level, target, message });
+        listener(log);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::{Arc, Mutex};
+
+    #[test]
+    fn what_is_said_reaches_who_listens() {
+        let heard = Arc::new(Mutex::new(Vec::new()));
+        let ears = heard.clone();
+        on_log(move |log| ears.lock().unwrap().push(format!("{} {} {}", log.target, log.level, log.message)));
+        log(LogLevel::Warn, "gap", "the way is narrow");
+        say(4, "gap".into(), "n = 3".into());
+        say(9, "gap".into(), "of a later level".into());
+        let expected = ["gap warning the way is narrow", "gap debug n = 3", "gap debug of a later level"];
+        assert_eq!(*heard.lock().unwrap(), expected);
     }
 }

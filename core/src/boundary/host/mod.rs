@@ -21,7 +21,7 @@ mod world;
 #[cfg(feature = "host")]
 pub use file::FileError;
 pub use library::{Library, LoadError, LoadReason};
-pub use log::{LogLevel, PluginLog, on_log};
+pub use log::{LogLevel, PluginLog, log, on_log};
 pub use module::ModuleError;
 
 pub(super) use world::blank as blank_answer;

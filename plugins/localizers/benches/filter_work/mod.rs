@@ -73,7 +73,7 @@ impl Work {
             ..LaserScan::default()
         };
         let penalties = Penalties { occupied: 50.0, unknown: 5.0 };
-        let terrain = Terrain::new(1, &grid, &FieldModel::default(), 0.2, penalties);
+        let terrain = Terrain::new(1, &grid, &FieldModel::default(), 0.2, 0.2, penalties);
         let map = Map { version: 1, grid: Some(grid), ..Map::default() };
         Work { world, map, truth, scan, filter: filter(), terrain }
     }
@@ -119,7 +119,7 @@ impl Work {
     pub fn new_map(&mut self) {
         if let Some(grid) = &self.map.grid {
             let penalties = Penalties { occupied: 50.0, unknown: 5.0 };
-            self.terrain = Terrain::new(1, grid, &FieldModel::default(), 0.2, penalties);
+            self.terrain = Terrain::new(1, grid, &FieldModel::default(), 0.2, 0.2, penalties);
         }
     }
 }

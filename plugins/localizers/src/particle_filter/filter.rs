@@ -242,6 +242,11 @@ impl ParticleFilter {
         self.fit = fit;
     }
 
+    /// How well the best place fitted at the last update.
+    pub fn fit(&self) -> Fit {
+        self.fit
+    }
+
     fn is_misplaced(&self) -> bool {
         self.fit == Fit::Bad
     }

@@ -2,7 +2,8 @@
 //!
 //! KLD-adaptive (Fox 2001), with recovery from kidnapping (augmented MCL; Thrun, Burgard, Fox, *Probabilistic Robotics*
 //! (2005), chapters 4 to 6 and 8). One update: move the particles, weigh them by the scans, say where the robot is,
-//! draw new ones. Read [`filter`] first, then [`monte_carlo`], which decides when.
+//! draw new ones. While the robot is followed, beams that end at what the map does not show are left out
+//! (`unmapped.rs`). Read [`filter`] first, then [`monte_carlo`], which decides when.
 
 mod params;
 mod plugin;
@@ -30,6 +31,7 @@ pub mod streams;
 pub mod sureness;
 pub mod terrain;
 pub mod tracker_settings;
+mod unmapped;
 pub mod wishes;
 
 #[cfg(test)]

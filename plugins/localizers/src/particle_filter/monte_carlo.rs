@@ -1,21 +1,24 @@
 //! Monte-Carlo localization over time: which scans are weighed when, and what is known in between.
 
+mod odometer;
+
 use super::anchor::Anchor;
 use super::beams::ScanBeams;
 use super::continuity::Continuity;
-use super::filter::{ParticleFilter, Weighed};
+use super::filter::{Fit, ParticleFilter, Weighed};
 use super::measurement::MeasurementModel;
-use super::odometry_history::{OdometryHistory, Reading, is_jump};
+use super::odometry_history::OdometryHistory;
 use super::scan_queue::{PendingScan, ScanQueue};
 use super::silence::Silence;
 use super::sureness::{Sureness, is_tight};
 use super::terrain::Terrain;
 use super::tracker_settings::{Counters, TrackerSettings};
+use super::unmapped::without_unmapped;
 use super::wishes::wish;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, lift};
 use rumbo_core::map::{Grid, Map};
-use rumbo_core::messages::{Check, Estimate, Odometry, Prior, Seen, Status};
+use rumbo_core::messages::{Check, Estimate, Prior, Seen, Status};
 use rumbo_core::stages::LocalizeError;
 use rumbo_core::time::{Span, Time};
 
@@ -40,8 +43,6 @@ pub struct MonteCarlo {
 }
 
 impl MonteCarlo {
-    /// Standard deviation of the heading after a jump, radians.
-    const JUMP_RAD: f64 = 0.5;
     /// Scans of different sensors within this belong to the same moment, seconds.
     const MOMENT_S: f64 = 0.02;
 
@@ -150,63 +151,12 @@ impl MonteCarlo {
     fn prepare<'m>(&mut self, map: &'m Map) -> Result<&'m Grid, LocalizeError> {
         let grid = map.grid.as_ref().ok_or(LocalizeError::MissingLayer { layer: "grid" })?;
         if self.terrain.as_ref().is_none_or(|terrain| terrain.version != map.version) {
-            let TrackerSettings { init_clearance_m, penalties, .. } = self.settings;
+            let TrackerSettings { init_clearance_m, unmapped_beyond_m, penalties, .. } = self.settings;
             let model = self.model.as_ref();
-            self.terrain = Some(Terrain::new(map.version, grid, model, init_clearance_m, penalties));
+            self.terrain =
+                Some(Terrain::new(map.version, grid, model, init_clearance_m, unmapped_beyond_m, penalties));
         }
         Ok(grid)
-    }
-
-    fn take_odometry(&mut self, stamp: Time, odometry: &Odometry) {
-        if odometry.check().is_err() {
-            self.counters.odometry_dropped += 1;
-            return;
-        }
-        let last = self.odometry.newest();
-        match last {
-            // A newer reading before the push: the way between the two is what counts.
-            Some((before, odom_from_last)) if stamp > before => {
-                let elapsed_s = (stamp - before).as_secs();
-                self.silence.add(elapsed_s);
-                let [speed_m_s, _] = self.settings.max_speed;
-                if is_jump(
-                    &odom_from_last,
-                    &odometry.odom_from_base,
-                    self.settings.max_odom_jump_m + 2.0 * speed_m_s * elapsed_s,
-                ) {
-                    self.jump(odom_from_last, odometry.odom_from_base);
-                }
-            }
-            None => self.take_first_reading(odometry),
-            _ => {}
-        }
-        if self.odometry.push(stamp, odometry.odom_from_base) == Reading::Stale {
-            self.counters.odometry_dropped += 1;
-        }
-        self.last_noise = odometry.noise;
-    }
-
-    /// The prior may have been made before the odometer had said anything: then its reading there is a guess.
-    fn take_first_reading(&mut self, odometry: &Odometry) {
-        let jump_m = self.settings.max_odom_jump_m;
-        if let Some(anchor) = &mut self.anchor
-            && is_jump(&anchor.odom_from_base, &odometry.odom_from_base, jump_m)
-        {
-            anchor.odom_from_base = odometry.odom_from_base;
-        }
-    }
-
-    /// The odometer was restarted or lifted: the robot is about where it was, and goes on from the new reading.
-    fn jump(&mut self, odom_from_last: Pose2, odom_from_base: Pose2) {
-        self.counters.odometry_jumps += 1;
-        let Some(anchor) = self.anchor.take() else { return };
-        self.filter.advance(&anchor.odom_from_base, &odom_from_last);
-        self.filter.widen(self.settings.max_odom_jump_m, Self::JUMP_RAD);
-        self.odometry.clear();
-        self.queue.clear();
-        self.too_soon.clear();
-        self.is_first = true;
-        self.set_anchor(odom_from_base, anchor.stamp, anchor.scans);
     }
 
     /// Weighs a scan if the robot moved enough since the last, together with what other sensors saw meanwhile.
@@ -254,7 +204,11 @@ impl MonteCarlo {
         }
         let beams: Vec<ScanBeams> = scans.iter().map(|scan| self.beams_of(scan, &odom_from_base)).collect();
         let Some(terrain) = &mut self.terrain else { return Ok(()) };
-        let weighed = self.filter.weigh(&beams, terrain);
+        let expected = self.anchor.as_ref().filter(|_| self.filter.fit() == Fit::Good);
+        let weighed = match expected.map(|anchor| anchor.expected_at(&odom_from_base)) {
+            Some((expected, _)) => self.filter.weigh(&without_unmapped(&beams, terrain, &expected), terrain),
+            None => self.filter.weigh(&beams, terrain),
+        };
         self.counters.count(weighed);
         self.is_first &= weighed == Weighed::Nothing;
         self.set_anchor(odom_from_base, Some(stamp), beams);

@@ -63,6 +63,9 @@ pub struct ParticleFilterParams {
     pub alpha_fast: f64,
     /// Particles that may be anywhere keep this distance from obstacles, meters.
     pub init_clearance_m: f64,
+    /// While the robot is followed, a beam that ends on free floor farther than this from everything on the map is taken
+    /// for a person or a thing that the map does not show, and not weighed, meters. 0 weighs all.
+    pub unmapped_beyond_m: f64,
     /// What a particle in a cell that nobody has seen loses in log-weight.
     pub unknown_penalty: f64,
     /// Two readings of the odometer farther apart than this, beyond what the robot can drive in between, are a jump,
@@ -105,10 +108,11 @@ impl Default for ParticleFilterParams {
             alpha_slow: 0.05,
             alpha_fast: 0.5,
             init_clearance_m: 0.2,
+            unmapped_beyond_m: 0.2,
             unknown_penalty: 5.0,
             max_odom_jump_m: 1.0,
             search_below: 0.8,
-            doubt_above: 0.05,
+            doubt_above: 0.1,
             least_explained: 0.3,
             found_after_updates: 5,
             lost_after_updates: 10,
@@ -156,9 +160,11 @@ impl Params for ParticleFilterParams {
         ] {
             expect(positive(value), key, &value, "a finite number above 0");
         }
-        for (key, value) in
-            [("init_clearance_m", self.init_clearance_m), ("unknown_penalty", self.unknown_penalty)]
-        {
+        for (key, value) in [
+            ("init_clearance_m", self.init_clearance_m),
+            ("unmapped_beyond_m", self.unmapped_beyond_m),
+            ("unknown_penalty", self.unknown_penalty),
+        ] {
             expect(not_negative(value), key, &value, "a finite number, 0 or more");
         }
         let delta_fits = self.kld_delta > 0.0 && self.kld_delta < 1.0;
@@ -221,6 +227,7 @@ impl ParticleFilterParams {
             update_min_a_rad: self.update_min_a_rad,
             max_beams: self.max_beams,
             init_clearance_m: self.init_clearance_m,
+            unmapped_beyond_m: self.unmapped_beyond_m,
             max_odom_jump_m: self.max_odom_jump_m,
             penalties: Penalties { occupied: OCCUPIED_PENALTY, unknown: self.unknown_penalty },
             search_below: self.search_below,

@@ -6,6 +6,7 @@ use super::measurement::{MeasurementModel, Obstacles, ScanLikelihood};
 use rumbo_core::frames::{Point2, Pose2};
 use rumbo_core::map::{CellClass, Grid};
 use rumbo_kit::GridSize;
+use rumbo_kit::distance_field::squared_distance_field;
 use rumbo_kit::occupancy::line_cells;
 
 /// Everything that is computed once for a version of the map.
@@ -24,6 +25,8 @@ pub struct Terrain {
     /// Log-weight that being in each cell costs.
     penalties: Vec<f32>,
     outside_penalty: f32,
+    /// Free cells far from everything on the map.
+    bare: Vec<bool>,
 }
 
 /// Log-weights that impossible places cost.
@@ -41,6 +44,11 @@ const LEAST_SLACK_M: f64 = 0.5;
 /// The same as a share of the range.
 const SLACK_SHARE: f64 = 0.2;
 
+/// How far from where the map lets expect it a beam may end and still have met the same wall, meters.
+pub fn slack_m(range_m: f64) -> f64 {
+    LEAST_SLACK_M.max(SLACK_SHARE * range_m)
+}
+
 impl Terrain {
     /// Prepares a map.
     pub fn new(
@@ -48,6 +56,7 @@ impl Terrain {
         grid: &Grid,
         model: &dyn MeasurementModel,
         clearance_m: f64,
+        bare_beyond_m: f64,
         penalties: Penalties,
     ) -> Terrain {
         let size = GridSize::new(grid.width() as usize, grid.height() as usize);
@@ -59,6 +68,12 @@ impl Terrain {
             CellClass::Occupied => penalties.occupied as f32,
             CellClass::Unknown => penalties.unknown as f32,
         };
+        let reach = (bare_beyond_m / grid.resolution_m()).powi(2);
+        let is_bare = |(distance2, cell): (u32, &f32)| {
+            bare_beyond_m > 0.0 && f64::from(distance2) > reach && grid.class_of(*cell) == CellClass::Free
+        };
+        let bare =
+            squared_distance_field(size, &occupied).into_iter().zip(grid.cells.iter()).map(is_bare).collect();
         Terrain {
             version,
             free: FreeSpace::of(grid, clearance_m),
@@ -69,6 +84,7 @@ impl Terrain {
             resolution_m: grid.resolution_m(),
             penalties: grid.cells.iter().map(penalty).collect(),
             outside_penalty: penalties.occupied as f32,
+            bare,
         }
     }
 
@@ -97,16 +113,23 @@ impl Terrain {
             let sensor = map_from_base * Point2::from(scan.origin);
             for (direction, range_m) in scan.hits(scan.max_range_m) {
                 n_hits += 1;
-                let slack_m = LEAST_SLACK_M.max(SLACK_SHARE * range_m);
                 let ahead = map_from_base.rotation * nalgebra::Vector2::from(direction);
-                n_through += usize::from(self.is_blocked(sensor, sensor + ahead * (range_m - slack_m)));
+                n_through +=
+                    usize::from(self.is_blocked(sensor, sensor + ahead * (range_m - slack_m(range_m))));
             }
         }
         (n_hits > 0).then(|| n_through as f64 / n_hits as f64)
     }
 
+    /// Whether a point of the map is on free floor, and nothing on the map is near.
+    pub fn is_bare(&self, point: Point2) -> bool {
+        let [x, y, _] = self.in_grid([point.x, point.y, 0.0]);
+        let is_inside = x >= 0.0 && y >= 0.0 && x < self.size.width as f64 && y < self.size.height as f64;
+        is_inside && self.bare.get(self.size.index(x as usize, y as usize)).is_some_and(|is_bare| *is_bare)
+    }
+
     /// Whether an occupied cell lies between two points of the map.
-    fn is_blocked(&self, from: Point2, to: Point2) -> bool {
+    pub fn is_blocked(&self, from: Point2, to: Point2) -> bool {
         let cell = |point: Point2| {
             let [x, y, _] = self.in_grid([point.x, point.y, 0.0]);
             [x.floor() as i32, y.floor() as i32]
@@ -132,21 +155,26 @@ impl Terrain {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::particle_filter::measurement::FieldModel;
     use rumbo_core::frames::pose2;
 
     /// A room of 4 m by 4 m with walls of one cell, from (0, 0).
     fn room() -> Terrain {
+        room_with(|_, _| false)
+    }
+
+    /// That room with more walls, by column and row.
+    pub fn room_with(is_wall_too: fn(usize, usize) -> bool) -> Terrain {
         let mut grid = Grid::unknown(40, 40, 0.1).unwrap();
         for (index, cell) in grid.cells.make_mut().iter_mut().enumerate() {
             let (col, row) = (index % 40, index / 40);
-            let is_wall = [col, row].iter().any(|place| *place == 0 || *place == 39);
+            let is_wall = [col, row].iter().any(|place| *place == 0 || *place == 39) || is_wall_too(col, row);
             *cell = if is_wall { Grid::CERTAIN } else { -Grid::CERTAIN };
         }
         let penalties = Penalties { occupied: 50.0, unknown: 5.0 };
-        Terrain::new(1, &grid, &FieldModel::default(), 0.2, penalties)
+        Terrain::new(1, &grid, &FieldModel::default(), 0.2, 0.2, penalties)
     }
 
     fn beams(ranges_m: [f64; 4]) -> [ScanBeams; 1] {

@@ -163,6 +163,35 @@ fn sensors_with_mounts_and_stamps_of_their_own_are_weighed_together() {
 }
 
 #[test]
+fn people_before_a_wall_do_not_pull_the_robot_toward_it() {
+    // Somebody stands 1 m to the right and 2 m before the wall, and hides a fourth of what the laser sees.
+    let crowded = |seconds: f64, at: Pose2| {
+        let mut seen = scan(1, seconds, at, [0.0; 3]);
+        if let Data::LaserScan(scan) = &mut seen.data {
+            scan.ranges_m.make_mut().iter_mut().take(20).for_each(|range| *range = range.min(0.9));
+        }
+        seen
+    };
+    let worst_m = |unmapped_beyond_m: f64| {
+        let mut localizer = started(&ParticleFilterParams { unmapped_beyond_m, ..Default::default() });
+        let off = |k: u32| {
+            let seconds = f64::from(k) * 0.5;
+            let odom = pose2(0.0, 0.0, 0.25 * seconds);
+            let at = pose2(4.0, 3.0, 0.25 * seconds);
+            let seen = [reading(seconds, odom), crowded(seconds, at)];
+            off_m(&update(&mut *localizer, &seen).unwrap(), 4.0, 3.0)
+        };
+        (0..40).map(off).fold(0.0, f64::max)
+    };
+    let (left_out, weighed) = (worst_m(0.2), worst_m(0.0));
+    assert!(left_out < 0.12, "{left_out}");
+    assert!(
+        weighed > 2.0 * left_out,
+        "{weighed} where people are weighed, {left_out} where they are left out"
+    );
+}
+
+#[test]
 fn scans_without_any_reading_only_move_the_particles() {
     for ranges in [vec![], vec![f32::NAN; 81], vec![f32::INFINITY; 81]] {
         let mut localizer = started(&ParticleFilterParams::default());

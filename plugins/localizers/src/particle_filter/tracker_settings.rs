@@ -17,6 +17,9 @@ pub struct TrackerSettings {
     pub max_beams: usize,
     /// Distance from obstacles of particles that may be anywhere, meters.
     pub init_clearance_m: f64,
+    /// While the robot is followed, beams that end on free floor farther than this from everything on the map are not
+    /// weighed, meters; 0 weighs all.
+    pub unmapped_beyond_m: f64,
     /// Two readings of the odometer farther apart than this are a jump, meters.
     pub max_odom_jump_m: f64,
     /// What impossible places cost.
