@@ -71,8 +71,28 @@ fn rust(kind: Kind) -> Vec<(&'static str, &'static str)> {
     ]
 }
 
-fn c(_: Kind) -> Result<Vec<(&'static str, &'static str)>, Failure> {
-    Err(Failure::Usage("C plugins come later; leave out --lang".into()))
+fn c(kind: Kind) -> Result<Vec<(&'static str, &'static str)>, Failure> {
+    let plugin = match kind {
+        Kind::Sensor => include_str!("templates/c/sensor.c"),
+        Kind::MapBuilder => include_str!("templates/c/map_builder.c"),
+        Kind::Localizer => include_str!("templates/c/localizer.c"),
+        Kind::Planner => include_str!("templates/c/planner.c"),
+        Kind::Avoider => include_str!("templates/c/avoider.c"),
+        Kind::Slam => {
+            return Err(Failure::Usage(
+                "there is no SLAM plugin in C to begin with; write a map_builder and a localizer, and see rumbo_slam_table in \
+                 their rumbo_plugin.h"
+                    .into(),
+            ));
+        }
+    };
+    Ok(vec![
+        ("plugin.c", plugin),
+        ("rumbo_plugin.h", include_str!("../../include/rumbo_plugin.h")),
+        ("build.sh", include_str!("templates/c/build.sh")),
+        ("README.md", include_str!("templates/c/readme.md")),
+        (".gitignore", include_str!("templates/c/gitignore")),
+    ])
 }
 
 /// The parts of a pipeline that differ from stage to stage: the new plugin in its seat, shipped ones in the others.

@@ -51,6 +51,23 @@ fn every_kind_builds_keeps_its_laws_and_drives_the_robot_to_its_goal() {
 }
 
 #[test]
+fn every_kind_in_c_builds_keeps_its_laws_and_drives_the_robot_to_its_goal() {
+    let folder = scratch("new_c");
+    for kind in KINDS.into_iter().filter(|kind| *kind != "slam") {
+        let told = succeeds(&format!("rumbo new {kind} my_{kind} --lang c"), &folder);
+        assert!(told.contains("sh build.sh"), "{told}");
+        let folder = folder.join(format!("my_{kind}"));
+        succeeds("sh build.sh -Wpedantic -Werror", &folder);
+        succeeds("rumbo check pipeline.toml", &folder);
+        succeeds("rumbo test pipeline.toml", &folder);
+        succeeds(&format!("rumbo plugins verify --broken ./libmy_{kind}.so"), &folder);
+    }
+    let given = typed("rumbo new slam my_slam --lang c", &folder);
+    assert!(given.code == 2 && given.stderr.contains("rumbo_slam_table"), "{}", given.stderr);
+    assert!(!folder.join("my_slam").exists());
+}
+
+#[test]
 fn every_command_of_the_authors_guide_works() {
     let guide = std::fs::read_to_string(nested::root().join("docs/plugin-authors.md")).unwrap();
     let mut folder = scratch("new_guide");

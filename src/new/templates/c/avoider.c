@@ -146,7 +146,7 @@ static int32_t steer(void *instance, const rumbo_call *call, const rumbo_avoid_i
     if (!self->has_scan)
         return RUMBO_OK;
     if ((double)(call->now_ns - self->scan_ns) * 1e-9 > STALE_S) {
-        error->text = RUMBO_STR("laser scan");
+        snprintf(error->text, sizeof error->text, "laser scan");
         error->values[0] = (double)(call->now_ns - self->scan_ns) * 1e-9;
         return rumbo_fail(error, RUMBO_NO_READING, "no laser scan");
     }

@@ -26,7 +26,7 @@ static int32_t start(void *instance, const rumbo_prior *prior, const rumbo_map *
     localizer *self = instance;
     (void)map;
     if (prior->kind != RUMBO_PRIOR_POSE) {
-        error->text = RUMBO_STR("a pose");
+        snprintf(error->text, sizeof error->text, "a pose");
         return rumbo_fail(error, RUMBO_BAD_PRIOR, "needs a pose");
     }
     if (!is_finite(prior->map_from_base) || !is_finite(prior->odom_from_base) ||

@@ -142,17 +142,17 @@ static int32_t plan(void *instance, const rumbo_call *call, const rumbo_plan_req
     (void)call;
     if (!isfinite(request->start.x_m + request->start.y_m + rumbo_yaw(request->start) + yaw_rad) ||
         !isfinite(request->goal.x_m + request->goal.y_m)) {
-        error->text = RUMBO_STR("the start or the goal");
+        snprintf(error->text, sizeof error->text, "the start or the goal");
         return rumbo_fail(error, RUMBO_BAD_NUMBER, "the start or the goal is not a finite number");
     }
     if (grid == NULL) {
-        error->text = RUMBO_STR("grid");
+        snprintf(error->text, sizeof error->text, "grid");
         return rumbo_fail(error, RUMBO_MISSING_LAYER, "the map has no grid");
     }
     error->place = request->goal;
     if (!cell_of(grid, request->goal.x_m, request->goal.y_m, &goal))
         return rumbo_fail(error, RUMBO_GOAL_OUTSIDE, "the goal lies outside the map");
-    error->text = RUMBO_STR("not free");
+    snprintf(error->text, sizeof error->text, "not free");
     if (!(grid->cells.data[goal] < grid->free_below))
         return rumbo_fail(error, RUMBO_GOAL_OCCUPIED, "the goal is not free");
     error->place.x_m = request->start.x_m;
@@ -170,7 +170,7 @@ static int32_t plan(void *instance, const rumbo_call *call, const rumbo_plan_req
         status = rumbo_fail(error, RUMBO_ERROR, "there is no memory for %zu cells", n_cells);
     } else {
         close_cells(&at, self->clearance_m, start);
-        error->text = RUMBO_STR("obstacles close every way; lower clearance_m");
+        snprintf(error->text, sizeof error->text, "obstacles close every way; lower clearance_m");
         if (at.length[goal] == -2) {
             status = rumbo_fail(error, RUMBO_UNREACHABLE, "the goal is too close to an obstacle");
         } else {
