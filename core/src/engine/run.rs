@@ -87,6 +87,7 @@ impl Engine {
     pub fn run(&mut self, observers: &mut [&mut dyn Observer], interrupt: &AtomicBool) -> RunEnd {
         let watchdog = Watchdog::start(self.abort.clone(), self.at_work.clone(), self.limits);
         let end = loop {
+            watchdog.begin();
             let stepped = self.step();
             if watchdog.feed() {
                 let detail = format!("one step took more than {} s", self.limits.step.as_secs_f32());

@@ -77,6 +77,11 @@ impl Watchdog {
         Watchdog { shared, thread: Some(thread) }
     }
 
+    /// A step begins: what was before it does not count.
+    pub fn begin(&self) {
+        self.shared.fed.fetch_add(1, Ordering::Relaxed);
+    }
+
     /// A step is done. Returns whether the watchdog had lost patience.
     pub fn feed(&self) -> bool {
         self.shared.fed.fetch_add(1, Ordering::Relaxed);
