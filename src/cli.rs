@@ -1,8 +1,11 @@
 //! The command line: verbs, and what becomes of each.
 
 use crate::exit::Failure;
+use crate::run::lost::{Kept, end_when_lost};
 use crate::terminal::Terminal;
-use crate::{check, compare, completions, config, eval, load, map, plot, plugins, replay, run, schema, test};
+use crate::{
+    check, compare, completions, config, eval, load, map, new, plot, plugins, replay, run, schema, test,
+};
 use clap::{Parser, Subcommand};
 use rumbo_core::boundary::host::on_log;
 use std::path::PathBuf;
@@ -29,8 +32,9 @@ pub struct Cli {
     #[arg(long, global = true, value_name = "WHEN", default_value = "auto")]
     color: Color,
     /// A shared library with more plugins; may be given several times
-    #[arg(long = "plugin", global = true, value_name = "FILE")]
-    plugins: Vec<PathBuf>,
+    // A verb may have an argument called `plugins` of its own.
+    #[arg(long = "plugin", id = "library", global = true, value_name = "FILE")]
+    libraries: Vec<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -47,6 +51,7 @@ enum Verb {
     Config(config::Args),
     Schema(schema::Args),
     Plugins(plugins::Args),
+    New(new::Args),
     Test(test::Args),
     Replay(replay::Args),
     Compare(compare::Args),
@@ -64,7 +69,8 @@ pub fn main() -> ExitCode {
         Color::Always => Some(true),
         Color::Never => Some(false),
     });
-    load::use_libraries(&cli.plugins);
+    load::use_libraries(&cli.libraries);
+    end_when_lost(Kept::default(), terminal);
     on_log(move |log| terminal.say(format!("{}: {}: {}", log.target, log.level, log.message)));
     let result = match &cli.verb {
         Verb::Run(args) => run::run(args, &terminal),
@@ -72,6 +78,7 @@ pub fn main() -> ExitCode {
         Verb::Config(args) => config::run(args, &terminal),
         Verb::Schema(args) => schema::run(args, &terminal),
         Verb::Plugins(args) => plugins::run(args, &terminal),
+        Verb::New(args) => new::run(args, &terminal),
         Verb::Test(args) => test::run(args, &terminal),
         Verb::Replay(args) => replay::run(args, &terminal),
         Verb::Compare(args) => compare::run(args, &terminal),
@@ -99,5 +106,11 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn libraries_and_the_arguments_of_verbs_do_not_get_in_each_others_way() {
+        let cli = Cli::try_parse_from(["rumbo", "plugins", "verify", "one", "--plugin", "two.so"]).unwrap();
+        assert_eq!(cli.libraries, [PathBuf::from("two.so")]);
     }
 }

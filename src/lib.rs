@@ -22,6 +22,7 @@ pub mod exit;
 pub mod laws;
 pub mod load;
 pub mod map;
+pub mod new;
 pub mod outcome;
 pub mod picture;
 pub mod plot;

@@ -68,6 +68,15 @@ impl<W: Write> Steps<W> {
         written
     }
 
+    /// Writes how the run ended, and closes the bag.
+    fn end(mut self, end: &RunEnd, now: Time) -> io::Result<W> {
+        let mut cdr = CdrWriter::default();
+        put_end(&mut cdr, &end.reason.to_string(), end.detail.as_deref().unwrap_or_default());
+        let topic = self.bag.topic("/rumbo/end", &END)?;
+        self.bag.write(topic, now, cdr.bytes())?;
+        self.bag.finish()
+    }
+
     /// Packs all that was said in a step.
     fn write(&mut self, encoder: &mut StepEncoder, view: &StepView<'_>) -> io::Result<()> {
         let (mut kept, mut observations, mut n_copies) = (Ok(()), view.observations.iter(), 0);
@@ -97,6 +106,7 @@ pub struct RunRecording<W: Write = File> {
     steps: Steps<W>,
     encoder: StepEncoder,
     last_step: Option<u64>,
+    last_now: Time,
     fault: Option<String>,
 }
 
@@ -129,6 +139,7 @@ impl<W: Write> RunRecording<W> {
             steps: Steps { bag, topic, packer, viewers, sensors },
             encoder: StepEncoder::default(),
             last_step: None,
+            last_now: header.started,
             fault: None,
         })
     }
@@ -142,20 +153,23 @@ impl<W: Write> RunRecording<W> {
         closed.map_err(|fault| Failure::Internal(format!("the recording is incomplete: {fault}")))
     }
 
+    /// Closes the recording of a run that stands in the middle of a step: the map is in its hands.
+    pub fn cut_off(self, end: &RunEnd) -> io::Result<W> {
+        let now = self.last_now;
+        self.steps.end(end, now)
+    }
+
     fn close(self, end: &RunEnd, view: &StepView<'_>) -> io::Result<W> {
         let RunRecording { mut steps, mut encoder, .. } = self;
         encoder.map(view.map, &mut |said, message| steps.packer.add(said, message, None));
         steps.close_step(view.now)?;
         steps.viewers.map(&mut steps.bag, view)?;
-        let mut cdr = CdrWriter::default();
-        put_end(&mut cdr, &end.reason.to_string(), end.detail.as_deref().unwrap_or_default());
-        let topic = steps.bag.topic("/rumbo/end", &END)?;
-        steps.bag.write(topic, view.now, cdr.bytes())?;
-        steps.bag.finish()
+        steps.end(end, view.now)
     }
 
     fn write(&mut self, view: &StepView<'_>) -> io::Result<()> {
         self.steps.write(&mut self.encoder, view)?;
+        self.last_now = view.now;
         let Steps { bag, viewers, .. } = &mut self.steps;
         let is_new = self.last_step.replace(view.step) != Some(view.step);
         if is_new {

@@ -1,5 +1,6 @@
 //! `rumbo run`: drives the robot and shows what happened.
 
+pub mod lost;
 mod open;
 mod pace;
 mod progress;
@@ -14,6 +15,7 @@ use crate::record::RunRecord;
 use crate::recording::{RunRecording, header_of};
 use crate::report;
 use crate::terminal::{Terminal, write_file};
+use lost::{Kept, end_when_lost};
 use pace::Pace;
 use progress::Progress;
 use rumbo_core::engine::{EndReason, Engine, Observer};
@@ -129,11 +131,11 @@ fn watched_drive(
     let built = Engine::build(&ready.pipeline);
     let mut engine = built.map_err(|error| ready.explain(&error, args.json, terminal))?;
     let begin = |path| RunRecording::create(path, &header_of(ready, &args.file, args.duration, &engine));
-    let mut recording = recorded.map(begin).transpose()?;
+    let mut recording = Kept::new(recorded.map(begin).transpose()?);
+    end_when_lost(recording.clone(), *terminal);
     let mut progress = (!args.quiet && terminal.has_people()).then(|| Progress::new(&ready.pipeline));
     let mut pace = args.speed.map(Pace::new);
-    let mut others: Vec<&mut dyn Observer> = Vec::new();
-    others.extend(recording.as_mut().map(|recording| recording as &mut dyn Observer));
+    let mut others: Vec<&mut dyn Observer> = vec![&mut recording];
     others.extend(progress.as_mut().map(|progress| progress as &mut dyn Observer));
     others.extend(pace.as_mut().map(|pace| pace as &mut dyn Observer));
     let file = args.file.display().to_string();
@@ -141,7 +143,7 @@ fn watched_drive(
     if let Some(progress) = progress {
         progress.finish();
     }
-    if let Some(recording) = recording {
+    if let Some(recording) = recording.take() {
         recording.finish(&driven.end, &engine.view())?;
     }
     Ok(driven.record)

@@ -18,6 +18,9 @@ pub mod stages;
 pub mod time;
 pub mod trace;
 
+/// Poses and covariances are made of it: a plugin names it from here, and so in the version that fits.
+pub use nalgebra;
+
 /// What the registration macros need to name from other crates.
 #[doc(hidden)]
 pub mod macro_support {

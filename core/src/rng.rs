@@ -1,6 +1,10 @@
 //! One seeded random stream for each stage instance: xoshiro256++ (Blackman and Vigna, 2019), which gives the same
 //! numbers on every platform and in every version of this framework.
 
+/// Draws numbers from a stream (`rng.random_range(-1.0..1.0)`): a plugin names it from here, and so in the version that
+/// fits.
+pub use rand::RngExt;
+
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
 

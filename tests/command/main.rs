@@ -5,6 +5,8 @@ mod check;
 mod compare;
 mod eval;
 mod help;
+#[cfg(unix)]
+mod new;
 mod plot;
 mod plugins;
 mod readme;

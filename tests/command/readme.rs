@@ -30,9 +30,14 @@ fn what_the_readme_says_of_a_mistyped_key_is_what_check_says() {
 fn links_and_verbs_of_the_documents_exist() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let help = give(&["--help"]).stdout;
-    for name in
-        ["README.md", "ARCHITECTURE.md", "docs/compare.md", "docs/long-checks.md", "docs/plugins/README.md"]
-    {
+    for name in [
+        "README.md",
+        "ARCHITECTURE.md",
+        "docs/compare.md",
+        "docs/plugin-authors.md",
+        "docs/long-checks.md",
+        "docs/plugins/README.md",
+    ] {
         let text = std::fs::read_to_string(root.join(name)).unwrap();
         let folder = Path::new(name).parent().unwrap();
         for link in text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap()) {

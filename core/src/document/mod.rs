@@ -73,6 +73,14 @@ impl Document {
     }
 }
 
+/// The first thing that is wrong with values that come from no file: a number that is not finite, or another shape than
+/// the schema says. Its key, and what was found and expected.
+pub fn misfit(schema: &serde_json::Value, values: &toml::Table) -> Option<(String, String)> {
+    let (document, mut faults) = Document::from_text(Path::new(""), &values.to_string(), &[]);
+    faults.extend(shape::Shape { schema, also_known: &[] }.check(&document.root, ""));
+    faults.iter().next().map(|fault| (fault.path.clone(), fault.message.clone()))
+}
+
 #[cfg(test)]
 mod tests;
 

@@ -1,5 +1,6 @@
 //! The last third of a step: from the estimate through planner, avoider and guard to the wheels.
 
+use super::at_work::Place;
 use super::events::{Event, EventKind};
 use super::guard;
 use super::order::State;
@@ -59,6 +60,7 @@ impl Engine {
     fn ask_avoider(&mut self) -> Twist {
         let map_from_base = self.map_from_base();
         let Some(seat) = &mut self.avoider else { return Twist::ZERO };
+        self.at_work.enter(Place::Avoider);
         seat.report_loss(&self.ring, self.now, &mut self.events);
         let read = self.ring.cursor();
         let input = AvoidInput {
@@ -114,6 +116,7 @@ impl Engine {
     /// ─► World: the wheels obey until the next command.
     pub(super) fn drive(&mut self, twist: Twist) -> Result<(), WorldError> {
         let clock = Instant::now();
+        self.at_work.enter(Place::World);
         self.command = Command { stamp: self.now, twist };
         let drove = self.world.drive(&self.command)?;
         self.not_actuated = drove == Drove::NotActuated;

@@ -1,5 +1,6 @@
 //! From a pipeline to an engine.
 
+use super::at_work::AtWork;
 use super::guard::Guard;
 use super::navigator::Navigator;
 use super::ring::Ring;
@@ -17,6 +18,7 @@ use crate::stages::{Background, BuildContext, BuildError, GiveUp, World};
 use crate::time::Span;
 use crate::trace::Trace;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Why an engine cannot be built: which section, and what its plugin says.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -146,7 +148,8 @@ impl Engine {
             map.touch();
             builders.push(seat(built, spec, task(spec.rate, &mut schedule), &ring));
         }
-        let mut planning = planning(builder)?;
+        let at_work = Arc::new(AtWork::of(pipeline));
+        let mut planning = planning(builder, at_work.clone())?;
         planning.task = pipeline.planner.as_ref().and_then(|spec| task(spec.rate, &mut schedule));
         let control = pipeline.avoider.as_ref().and_then(|spec| spec.rate).unwrap_or(CONTROL);
         let control_period = control.period();
@@ -188,6 +191,8 @@ impl Engine {
             late: Span::ZERO,
             control_period,
             abort: builder.abort.clone(),
+            at_work,
+            limits: Default::default(),
             localization,
             planning,
             avoider,

@@ -3,6 +3,7 @@
 //! Read [`Engine::step`] first: it tells on one page how data flows from the sensors to the wheels.
 
 mod act;
+mod at_work;
 mod build;
 mod build_faults;
 mod check;
@@ -42,3 +43,4 @@ pub use order::{Order, State};
 pub use run::{EndReason, RunEnd};
 pub use step::{Engine, Stepped};
 pub use timing::{Part, StageTimes};
+pub use watchdog::{Lost, StepLimits, on_lost};

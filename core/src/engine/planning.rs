@@ -1,9 +1,13 @@
 //! Asking planners, beside the step: a plan never delays control.
 
+mod beside;
+
+use super::at_work::AtWork;
 use super::events::{Event, EventKind};
 use super::navigator::{Navigator, Outcome};
 use super::order::State;
 use super::schedule::{Schedule, TaskId};
+use super::watchdog::StepLimits;
 use crate::frames::{Point2, Pose2};
 use crate::map::{Grid, Map};
 use crate::messages::{Check, Goal, Path};
@@ -31,6 +35,9 @@ struct Running {
     job: BackgroundJob<Planned>,
     goal: Goal,
     by_fallback: bool,
+    asked: Time,
+    /// It works on a thread of its own, in the world's own time.
+    is_beside: bool,
 }
 
 /// What a plan starts from.
@@ -60,12 +67,30 @@ pub(super) struct Planning {
     /// Debug drawings of the last plan.
     pub drawings: Vec<Drawing>,
     running: Option<Running>,
+    /// How long a planner on a thread of its own is waited for.
+    pub limits: StepLimits,
+    at_work: Arc<AtWork>,
 }
 
 impl Planning {
     /// Nothing asked yet.
-    pub fn new(main: Option<PlannerSeat>, fallback: Option<PlannerSeat>, robot: Arc<Robot>) -> Planning {
-        Planning { main, fallback, task: None, robot, grid: None, drawings: Vec::new(), running: None }
+    pub fn new(
+        main: Option<PlannerSeat>,
+        fallback: Option<PlannerSeat>,
+        robot: Arc<Robot>,
+        at_work: Arc<AtWork>,
+    ) -> Planning {
+        Planning {
+            main,
+            fallback,
+            task: None,
+            robot,
+            grid: None,
+            drawings: Vec::new(),
+            running: None,
+            limits: StepLimits::default(),
+            at_work,
+        }
     }
 
     /// When an answer will come that is known to come.
@@ -109,7 +134,7 @@ impl Planning {
         let seat = if by_fallback { &mut self.fallback } else { &mut self.main };
         let Some(seat) = seat else { return self.straight(nav, at, events) };
         let Some(mut planner) = seat.planner.take() else {
-            let gone = "the planner panicked before and is gone".to_owned();
+            let gone = "the planner is gone: it panicked, or did not come back".to_owned();
             return nav.end(at.now, Outcome::PlannerFailed(gone), events);
         };
         let mut request = PlanRequest {
@@ -123,12 +148,16 @@ impl Planning {
             give_up: Default::default(),
             trace: if at.watched { Trace::watched() } else { Trace::unwatched() },
         };
+        let is_beside = seat.background.is_threaded();
+        if !is_beside {
+            self.at_work.enter(beside::place(by_fallback));
+        }
         let job = seat.background.run(at.now, move |give_up| {
             request.give_up = give_up.clone();
             let result = planner.plan(&request);
             Planned { planner, result, drawings: request.trace.take().0 }
         });
-        self.running = Some(Running { job, goal, by_fallback });
+        self.running = Some(Running { job, goal, by_fallback, asked: at.now, is_beside });
     }
 
     /// No planner: the path is the list of waypoints.
@@ -144,7 +173,7 @@ impl Planning {
         let Some(running) = &mut self.running else { return };
         let polled = running.job.poll(at.now);
         let planned = match polled {
-            Ok(None) => return,
+            Ok(None) => return self.wait(nav, at.now, events),
             Ok(Some(planned)) => planned,
             Err(panicked) => {
                 self.running = None;

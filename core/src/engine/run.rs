@@ -1,11 +1,12 @@
 //! From the first step to the last: orders, ends, shutdown.
 
+use super::at_work::Place;
 use super::navigator::Outcome;
 use super::observer::Observer;
 use super::order::State;
 use super::seat::MOST_FAILURES;
 use super::step::{Engine, Stepped};
-use super::watchdog::Watchdog;
+use super::watchdog::{StepLimits, Watchdog};
 use crate::frames::Twist;
 use crate::messages::Command;
 use crate::time::Span;
@@ -84,13 +85,15 @@ impl Engine {
 
     /// Steps until the run ends, and shuts down. `interrupt` may be raised from outside at any time.
     pub fn run(&mut self, observers: &mut [&mut dyn Observer], interrupt: &AtomicBool) -> RunEnd {
-        let watchdog = Watchdog::start(self.abort.clone());
+        let watchdog = Watchdog::start(self.abort.clone(), self.at_work.clone(), self.limits);
         let end = loop {
+            watchdog.begin();
             let stepped = self.step();
             if watchdog.feed() {
-                let detail = format!("one step took more than {} s", Watchdog::PATIENCE.as_secs());
+                let detail = format!("one step took more than {} s", self.limits.step.as_secs_f32());
                 break RunEnd::new(EndReason::Stalled, Some(detail));
             }
+            self.at_work.enter(Place::Nobody);
             match stepped {
                 Stepped::Went => {}
                 Stepped::Ended => {
@@ -114,6 +117,13 @@ impl Engine {
         };
         self.shut_down();
         end
+    }
+
+    /// How long stages are waited for; for tests, which have less time.
+    #[doc(hidden)]
+    pub fn set_limits(&mut self, limits: StepLimits) {
+        self.limits = limits;
+        self.planning.limits = limits;
     }
 
     /// The run is over, and this is why.

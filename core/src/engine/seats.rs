@@ -1,5 +1,6 @@
 //! Which stage sits where: from the sections of a pipeline to the seats of an engine.
 
+use super::at_work::AtWork;
 use super::build::{Builder, EngineError};
 use super::localization::{Finder, Localization};
 use super::planning::{PlannerSeat, Planning};
@@ -13,6 +14,7 @@ use crate::messages::{Estimate, Prior, SensorId};
 use crate::pipeline::{Pipeline, Rate, StageSpec};
 use crate::stages::{BuildError, Localizer};
 use crate::time::Time;
+use std::sync::Arc;
 
 /// Rate of a sensor when neither the pipeline nor its plugin says.
 const SENSOR: Rate = Rate::Hz(10.0);
@@ -84,14 +86,14 @@ pub(super) fn localization(
     Ok(Localization { finder, relocalizer, estimate: Estimate::lost(Time::ZERO) })
 }
 
-pub(super) fn planning(builder: &Builder<'_>) -> Result<Planning, EngineError> {
+pub(super) fn planning(builder: &Builder<'_>, at_work: Arc<AtWork>) -> Result<Planning, EngineError> {
     let seat = |spec: Option<&StageSpec>| -> Result<Option<PlannerSeat>, EngineError> {
         let planner = builder.optional(spec)?;
         Ok(spec.map(|spec| PlannerSeat { planner, background: builder.background(spec) }))
     };
     let pipeline = builder.pipeline;
     let (main, fallback) = (seat(pipeline.planner.as_ref())?, seat(pipeline.planner_fallback.as_ref())?);
-    Ok(Planning::new(main, fallback, pipeline.robot.clone()))
+    Ok(Planning::new(main, fallback, pipeline.robot.clone(), at_work))
 }
 
 pub(super) fn seat<T>(stage: T, spec: &StageSpec, task: Option<TaskId>, ring: &Ring) -> Seat<T> {

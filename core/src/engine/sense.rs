@@ -1,5 +1,6 @@
 //! The first third of a step: from the world through sensors and odometer to what the stages see.
 
+use super::at_work::Place;
 use super::ring::Filter;
 use super::seat::Seat;
 use super::step::Engine;
@@ -29,6 +30,7 @@ impl Engine {
             {
                 continue;
             }
+            self.at_work.enter(Place::Sensor(idx));
             let (mut cx, read) = (Cx { now: self.now, trace: &self.trace }, self.ring.cursor());
             let result = if inputs.is_empty() {
                 seat.stage.poll(&mut cx, self.world.as_mut(), &mut self.out)
@@ -66,6 +68,7 @@ impl Engine {
         if let Some(seat) = &mut self.odometer
             && seat.is_due(&mut self.schedule, &self.ring, self.now)
         {
+            self.at_work.enter(Place::Odometer);
             seat.report_loss(&self.ring, self.now, &mut self.events);
             let (mut cx, read) = (Cx { now: self.now, trace: &self.trace }, self.ring.cursor());
             let seen = self.ring.seen(seat.cursor, Filter::Raw);

@@ -1,5 +1,6 @@
 //! One step: how data flows from the sensors to the wheels.
 
+use super::at_work::{AtWork, Place};
 use super::events::{Event, EventKind};
 use super::guard::Guard;
 use super::inbox::Inbox;
@@ -12,6 +13,7 @@ use super::schedule::{Schedule, TaskId};
 use super::seat::Seat;
 use super::sense::SensorSeat;
 use super::timing::{Part, StageTimes};
+use super::watchdog::StepLimits;
 use super::wish::WishMotion;
 use crate::map::{Layer, Map};
 use crate::messages::{Command, Goal, Observations, Status};
@@ -44,6 +46,8 @@ pub struct Engine {
     pub(super) control_period: Span,
     pub(super) late: Span,
     pub(super) abort: GiveUp,
+    pub(super) at_work: Arc<AtWork>,
+    pub(super) limits: StepLimits,
     pub(super) guard: Guard,
     pub(super) navigator: Navigator,
     pub(super) orders: Vec<Order>,
@@ -98,6 +102,7 @@ impl Engine {
         }
         self.sense();
         self.track_odometry();
+        self.at_work.enter(Place::Finder);
         self.obey();
         self.localize();
         self.plan();
@@ -120,6 +125,7 @@ impl Engine {
     /// World: time passes until something is due.
     fn advance(&mut self) -> Result<Advance, WorldError> {
         let clock = Instant::now();
+        self.at_work.enter(Place::World);
         let recorded = self.world.next_recorded();
         self.recorded = recorded.is_some();
         let due = [self.schedule.next(), self.planning.due(), recorded];
@@ -147,6 +153,9 @@ impl Engine {
         let relocalizer_due = relocalizer.map(|seat| seat.is_due(&mut self.schedule, &self.ring, self.now));
         let due = relocalizer_due.filter(|_| searching).unwrap_or(finder_due);
         if active && due {
+            let place =
+                if searching && relocalizer_due.is_some() { Place::Relocalizer } else { Place::Finder };
+            self.at_work.enter(place);
             let mut cx = Cx { now: self.now, trace: &self.trace };
             let (ring, map) = (&mut self.ring, &mut self.map);
             self.estimate_is_new =
@@ -177,12 +186,13 @@ impl Engine {
     fn insert(&mut self) {
         let clock = Instant::now();
         let located = !matches!(self.navigator.state, State::NoMap | State::Lost | State::Localizing);
-        for seat in &mut self.builders {
+        for (idx, seat) in self.builders.iter_mut().enumerate() {
             // Asked in any case: a run that is due and not taken would hold the clock for ever.
             let is_due = seat.is_due(&mut self.schedule, &self.ring, self.now);
             if !(located && is_due) {
                 continue;
             }
+            self.at_work.enter(Place::MapBuilder(idx));
             seat.report_loss(&self.ring, self.now, &mut self.events);
             let read = self.ring.cursor();
             let seen = self.ring.seen(seat.cursor, Filter::Public);

@@ -9,7 +9,8 @@ use crate::time::{Span, Time};
 use crate::trace::Trace;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
+use std::time::Duration;
 
 /// What every call gets: the time, and somewhere to draw.
 #[derive(Debug)]
@@ -168,6 +169,9 @@ impl Background {
     }
 }
 
+/// Work that was asked to stop is waited for this long.
+const LONGEST_STOP: Duration = Duration::from_secs(5);
+
 /// Slow work on its way.
 #[derive(Debug)]
 pub struct BackgroundJob<T> {
@@ -206,16 +210,27 @@ impl<T> BackgroundJob<T> {
     pub fn give_up(&self) {
         self.give_up.raise();
     }
+
+    /// Goes on without work that does not stop: nobody waits for its thread, which ends with the process.
+    pub fn abandon(mut self) {
+        if let State::Running { thread, .. } = &mut self.state {
+            *thread = None;
+        }
+    }
 }
 
 impl<T> Drop for BackgroundJob<T> {
     fn drop(&mut self) {
         self.give_up.raise();
-        if let State::Running { thread, .. } = &mut self.state
+        if let State::Running { thread, receiver } = &mut self.state
             && let Some(thread) = thread.take()
         {
-            // A panic inside was either reported by `poll` or is of no interest to anybody now.
-            let _ = thread.join();
+            // Work that does not stop must not keep a run from ending: its thread ends with the process.
+            let has_ended = !matches!(receiver.recv_timeout(LONGEST_STOP), Err(RecvTimeoutError::Timeout));
+            if has_ended {
+                // A panic inside was either reported by `poll` or is of no interest to anybody now.
+                let _ = thread.join();
+            }
         }
     }
 }

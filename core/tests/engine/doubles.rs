@@ -413,8 +413,8 @@ impl MapBuilder for Counter {
 rumbo_core::register_map_builder!(CounterParams, "counter", "one landmark a scan");
 
 params!(
-    /// Goes straight, or refuses, or waits to be given up.
-    LineParams { refuses: bool = false, waits: bool = false, refuses_obstacles: bool = false }
+    /// Goes straight, or refuses, or waits to be given up, or never comes back.
+    LineParams { refuses: bool = false, waits: bool = false, is_deaf: bool = false, refuses_obstacles: bool = false }
 );
 struct LinePlanner(LineParams, String);
 impl Plugin<dyn Planner> for LineParams {
@@ -427,6 +427,9 @@ impl Planner for LinePlanner {
         let occupied = request.grid.as_ref().map_or(0, |g| g.cells.iter().filter(|v| **v > 0.0).count());
         let words = format!("{} obstacles, {occupied} cells", request.obstacles.len());
         LOG.lock().unwrap().push((self.1.clone(), words));
+        while self.0.is_deaf {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+        }
         while self.0.waits && !request.give_up.is_raised() {
             std::thread::yield_now();
         }

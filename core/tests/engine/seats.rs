@@ -1,7 +1,7 @@
 //! Who sees what, and when.
 
 use crate::*;
-use rumbo_core::engine::Stepped;
+use rumbo_core::engine::{StepLimits, Stepped};
 use rumbo_core::frames::flatten;
 use rumbo_core::messages::{Data, SensorId};
 
@@ -105,6 +105,23 @@ fn in_real_time_a_planner_works_on_its_own_thread_and_is_joined_at_the_end() {
     pipeline.planner = Some(stage(Stage::Planner, "quick", "line", None, ""));
     pipeline.mission.goal_timeout_s = None;
     assert_eq!(run(&pipeline).0.reason, EndReason::Arrived);
+}
+
+#[test]
+fn in_real_time_a_planner_that_never_comes_back_ends_the_mission_with_its_name_and_the_robot_stands() {
+    let mut pipeline = pipeline("deaf");
+    pipeline.world = stage(Stage::World, "world", "floor", None, "real_time = true");
+    pipeline.planner = Some(stage(Stage::Planner, "planner", "line", None, "is_deaf = true"));
+    let mut engine = Engine::build(&pipeline).unwrap();
+    let second = std::time::Duration::from_secs(1);
+    engine.set_limits(StepLimits { step: second, obey: second });
+    let mut events = Events::default();
+    let end = engine.run(&mut [&mut events], &AtomicBool::new(false));
+    let detail = end.detail.unwrap();
+    assert_eq!(end.reason, EndReason::PlannerFailed);
+    assert!(detail.starts_with("planner `line` of ") && detail.contains("does not come back"), "{detail}");
+    assert_eq!(events.count(|e| matches!(e, EventKind::StageFailed { stage, .. } if stage == "planner")), 1);
+    assert_eq!(engine.view().command.twist, rumbo_core::frames::Twist::ZERO);
 }
 
 #[test]
