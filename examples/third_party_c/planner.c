@@ -348,6 +348,10 @@ static int32_t plan(void *instance, const rumbo_call *call, const rumbo_plan_req
     job.width = (int32_t)job.grid->width;
     job.height = (int32_t)job.grid->height;
     job.clearance = job.self->clearance_m / job.grid->resolution_m;
+    if (!isfinite(start.x_m + start.y_m + rumbo_yaw(request->start)) || !isfinite(request->goal.x_m + request->goal.y_m)) {
+        snprintf(error->text, sizeof error->text, "%s", isfinite(request->goal.x_m + request->goal.y_m) ? "start" : "goal");
+        return rumbo_fail(error, RUMBO_BAD_NUMBER, "the %s is not finite", error->text);
+    }
     if (!cell_of(&job, request->goal, &job.goal_x, &job.goal_y)) {
         error->place = request->goal;
         return rumbo_fail(error, RUMBO_GOAL_OUTSIDE, "the goal lies outside of the map");

@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub struct Args {
     /// Names of plugins (section.name where two sections have one of this name), or plugin files; all that are shipped
     /// where nothing is named
-    #[arg(value_name = "FILE or NAME")]
+    #[arg(id = "names", value_name = "FILE or NAME")]
     plugins: Vec<String>,
     /// Give a plugin a parameter that it cannot be without, for example --set clearance_m=0.3
     #[arg(long = "set", value_name = "KEY=VALUE")]
