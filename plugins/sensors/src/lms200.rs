@@ -3,6 +3,7 @@
 mod device;
 mod params;
 mod plugin;
+pub mod protocol;
 
 pub use device::{Lms200Mode, Lms200Unit};
 pub use params::Lms200Params;
