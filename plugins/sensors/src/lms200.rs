@@ -1,6 +1,8 @@
 //! `lms200`: the SICK LMS 200 as its data sheet and its telegrams have it.
 
 mod device;
+pub mod driver;
+pub mod emulator;
 mod params;
 mod plugin;
 pub mod protocol;

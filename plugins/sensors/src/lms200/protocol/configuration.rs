@@ -20,6 +20,13 @@ impl Configuration {
         (bytes.len() > UNIT).then(|| Self { bytes: bytes.to_vec() })
     }
 
+    /// A block with centimeters and measuring mode 0; real devices leave the factory with much the same.
+    pub fn factory() -> Self {
+        let mut bytes = vec![0, 0, 0x46, 0, 0, 0, 0, 0, 0, 2, 2];
+        bytes.resize(34, 0);
+        Self { bytes }
+    }
+
     /// All of it.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
