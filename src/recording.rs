@@ -6,11 +6,9 @@ use crate::terminal::make_folder_of;
 use rumbo_core::engine::{Engine, Observer, RunEnd, StepView};
 use rumbo_core::pipeline::Pipeline;
 use rumbo_core::time::{Span, Time};
-use rumbo_kit::recording::cdr::CdrWriter;
 use rumbo_kit::recording::layout::{END, PACKED_STEP, RUN};
 use rumbo_kit::recording::{
-    BagWriter, RunHeader, Said, StepEncoder, StepPacker, TopicId, ViewerCopies, ViewerCopy, hash_of, put_end,
-    put_header,
+    BagWriter, RunHeader, StepEncoder, StepPacker, TopicId, ViewerCopies, hash_of, put_end, put_header,
 };
 use std::fs::File;
 use std::io::{self, Write};
@@ -51,60 +49,14 @@ pub fn plugins_of(pipeline: &Pipeline) -> Vec<String> {
     world.chain(pipeline.stages()).map(|stage| format!("{}: {:?}", stage.name, stage.entry)).collect()
 }
 
-/// Where messages of a step go: packed behind the copies that viewers get.
-struct Steps<W: Write> {
+/// A recording that grows. What goes wrong is kept until the end: a full disk stops no robot.
+pub struct RunRecording<W: Write = File> {
     bag: BagWriter<W>,
-    topic: TopicId,
+    steps: TopicId,
+    encoder: StepEncoder,
     packer: StepPacker,
     viewers: ViewerCopies,
     sensors: Vec<String>,
-}
-
-impl<W: Write> Steps<W> {
-    /// Writes the messages of a step as one.
-    fn close_step(&mut self, now: Time) -> io::Result<()> {
-        let mut written = Ok(());
-        self.packer.finish(|packed| written = self.bag.write(self.topic, now, packed));
-        written
-    }
-
-    /// Writes how the run ended, and closes the bag.
-    fn end(mut self, end: &RunEnd, now: Time) -> io::Result<W> {
-        let mut cdr = CdrWriter::default();
-        put_end(&mut cdr, &end.reason.to_string(), end.detail.as_deref().unwrap_or_default());
-        let topic = self.bag.topic("/rumbo/end", &END)?;
-        self.bag.write(topic, now, cdr.bytes())?;
-        self.bag.finish()
-    }
-
-    /// Packs all that was said in a step.
-    fn write(&mut self, encoder: &mut StepEncoder, view: &StepView<'_>) -> io::Result<()> {
-        let (mut kept, mut observations, mut n_copies) = (Ok(()), view.observations.iter(), 0);
-        encoder.encode(view, &mut |said, message| {
-            let observation = matches!(said, Said::Observation(..)).then(|| observations.next()).flatten();
-            let copied = observation.map(|observation| {
-                self.viewers.observation(&mut self.bag, view.now, observation, &self.sensors)
-            });
-            let copy = match copied.transpose() {
-                Ok(copy) => copy.flatten(),
-                Err(fault) => {
-                    kept = Err(fault);
-                    None
-                }
-            };
-            let copy = copy.map(|(message, readings)| ViewerCopy { number: n_copies, message, readings });
-            n_copies += usize::from(copy.is_some());
-            self.packer.add(said, message, copy);
-        });
-        kept?;
-        self.close_step(view.now)
-    }
-}
-
-/// A recording that grows. What goes wrong is kept until the end: a full disk stops no robot.
-pub struct RunRecording<W: Write = File> {
-    steps: Steps<W>,
-    encoder: StepEncoder,
     last_step: Option<u64>,
     last_now: Time,
     fault: Option<String>,
@@ -128,16 +80,16 @@ impl<W: Write> RunRecording<W> {
         if !header.is_real_time {
             bag = bag.close_after(Self::LONGEST_COMPUTED);
         }
-        let mut cdr = CdrWriter::default();
-        put_header(&mut cdr, header);
         let run = bag.topic("/rumbo/run", &RUN)?;
-        bag.write(run, header.started, cdr.bytes())?;
-        let topic = bag.topic("/rumbo/step", &PACKED_STEP)?;
-        let (packer, viewers, sensors) =
-            (StepPacker::default(), ViewerCopies::default(), header.sensors.clone());
+        bag.write_with(run, header.started, |cdr| put_header(cdr, header))?;
+        let steps = bag.topic("/rumbo/step", &PACKED_STEP)?;
         Ok(RunRecording {
-            steps: Steps { bag, topic, packer, viewers, sensors },
+            bag,
+            steps,
             encoder: StepEncoder::default(),
+            packer: StepPacker::default(),
+            viewers: ViewerCopies::default(),
+            sensors: header.sensors.clone(),
             last_step: None,
             last_now: header.started,
             fault: None,
@@ -155,23 +107,33 @@ impl<W: Write> RunRecording<W> {
 
     /// Closes the recording of a run that stands in the middle of a step: the map is in its hands.
     pub fn cut_off(self, end: &RunEnd) -> io::Result<W> {
-        let now = self.last_now;
-        self.steps.end(end, now)
+        finish_bag(self.bag, end, self.last_now)
     }
 
     fn close(self, end: &RunEnd, view: &StepView<'_>) -> io::Result<W> {
-        let RunRecording { mut steps, mut encoder, .. } = self;
-        encoder.map(view.map, &mut |said, message| steps.packer.add(said, message, None));
-        steps.close_step(view.now)?;
-        steps.viewers.map(&mut steps.bag, view)?;
-        steps.end(end, view.now)
+        let RunRecording { mut bag, steps, mut encoder, mut packer, mut viewers, .. } = self;
+        bag.write_with(steps, view.now, |cdr| {
+            encoder.map(view.map, &mut |said, message| packer.add(said, message, None, cdr));
+            packer.finish(cdr);
+        })?;
+        viewers.map(&mut bag, view)?;
+        finish_bag(bag, end, view.now)
     }
 
     fn write(&mut self, view: &StepView<'_>) -> io::Result<()> {
-        self.steps.write(&mut self.encoder, view)?;
         self.last_now = view.now;
-        let Steps { bag, viewers, .. } = &mut self.steps;
+        let RunRecording { bag, encoder, packer, viewers, .. } = self;
         let is_new = self.last_step.replace(view.step) != Some(view.step);
+        // Readings are written for viewers first: the step says where they stand.
+        if is_new {
+            viewers.observations(bag, view, &self.sensors)?;
+        }
+        bag.write_with(self.steps, view.now, |cdr| {
+            encoder.encode_beside(viewers.copies(), view, &mut |said, message, copy| {
+                packer.add(said, message, copy, cdr);
+            });
+            packer.finish(cdr);
+        })?;
         if is_new {
             viewers.write(bag, view)?
         } else {
@@ -179,6 +141,14 @@ impl<W: Write> RunRecording<W> {
         }
         bag.rest(view.now)
     }
+}
+
+/// Writes how the run ended, and closes the bag.
+fn finish_bag<W: Write>(mut bag: BagWriter<W>, end: &RunEnd, now: Time) -> io::Result<W> {
+    let topic = bag.topic("/rumbo/end", &END)?;
+    let (reason, detail) = (end.reason.to_string(), end.detail.as_deref().unwrap_or_default());
+    bag.write_with(topic, now, |cdr| put_end(cdr, &reason, detail))?;
+    bag.finish()
 }
 
 impl<W: Write> Observer for RunRecording<W> {

@@ -166,6 +166,7 @@ fn a_library_whose_panics_abort_is_refused() {
 }
 
 #[test]
+#[allow(clippy::print_stdout)]
 fn a_library_of_another_compiler_with_another_layout_gives_the_same_answers() {
     let nightly = Command::new("rustup").args(["run", "nightly", "rustc", "-V"]).output();
     if !nightly.is_ok_and(|out| out.status.success()) {

@@ -141,7 +141,10 @@ fn plugin(
     let message = unknown_plugin(seat.stage(), name, &names, registry);
     let elsewhere =
         "a plugin from elsewhere comes with its library: `plugin_path = [\"FILE\"]`, or --plugin FILE";
-    faults.push(Fault::new(FaultCode::UnknownPlugin, path, plugin.origin, message).help(elsewhere));
+    let fault = Fault::new(FaultCode::UnknownPlugin, path, plugin.origin, message);
+    // A mistyped name needs no library.
+    let is_mistyped = did_you_mean(name, names.iter().copied()).is_some();
+    faults.push(if is_mistyped { fault } else { fault.help(elsewhere) });
     None
 }
 

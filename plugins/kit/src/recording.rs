@@ -22,6 +22,7 @@ mod packed_step;
 mod packed_words;
 pub mod pose;
 mod reader;
+mod room;
 pub mod ros;
 mod step_encoder;
 mod viewer;

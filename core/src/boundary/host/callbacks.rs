@@ -106,6 +106,7 @@ unsafe fn value(config: *const rumbo_config, path: rumbo_str) -> Option<&'static
 }
 
 /// Writes what `pick` makes of a value.
+///
 /// # Safety
 /// `config` is the one that the host handed over, and `out` null or a variable of the plugin.
 unsafe fn pick<T>(

@@ -2,6 +2,8 @@
 
 use super::super::abi::{rumbo_config, rumbo_values};
 use super::super::convert::text_of;
+use super::module::Record;
+use crate::registry::ParseFault;
 use serde_json::Value as Json;
 
 /// Parsed parameters behind the accessors.
@@ -63,6 +65,15 @@ fn lay_over(below: &mut toml::Table, above: &toml::Table) {
             }
         }
     }
+}
+
+/// A plugin without a check of its own relies on its schema, also where the keys come from no pipeline.
+pub(super) fn fits_schema(record: &Record, keys: &toml::Table) -> Result<(), ParseFault> {
+    if record.entry.check.is_some() {
+        return Ok(());
+    }
+    let misfit = crate::document::misfit(&record.schema, keys);
+    misfit.map_or(Ok(()), |(path, message)| Err(ParseFault { path, message }))
 }
 
 /// The defaults that a schema names, for plugins that do not write them as TOML.

@@ -7,7 +7,7 @@ use super::super::status::Crosses;
 use super::avoider::DynAvoider;
 use super::call::{Instance, Kept, Pushed, Who, push_bytes};
 use super::callbacks::HOST;
-use super::config::Config;
+use super::config::{Config, fits_schema};
 use super::localizer::DynLocalizer;
 use super::map_builder::DynMapBuilder;
 use super::module::Record;
@@ -53,7 +53,7 @@ impl EntrySource for Source {
     }
 
     fn parse(&self, keys: toml::Table) -> Result<Box<dyn Configured>, ParseFault> {
-        self.fits_schema(&keys)?;
+        fits_schema(&self.record, &keys)?;
         let config = Config::new(&keys, &self.record.defaults);
         let faults = self.check(&config)?;
         let manifest = self.manifest(&config)?;
@@ -82,15 +82,6 @@ impl Source {
                 message: format!("{} failed to read its parameters: {}", self.who, error.words(code)),
             }),
         }
-    }
-
-    /// A plugin without a check of its own relies on its schema, also where the keys come from no pipeline.
-    fn fits_schema(&self, keys: &toml::Table) -> Result<(), ParseFault> {
-        if self.record.entry.check.is_some() {
-            return Ok(());
-        }
-        let misfit = crate::document::misfit(&self.record.schema, keys);
-        misfit.map_or(Ok(()), |(path, message)| Err(ParseFault { path, message }))
     }
 
     fn check(&self, config: &Config) -> Result<Vec<BuildError>, ParseFault> {

@@ -157,6 +157,7 @@ pub(super) unsafe fn records(module: *const rumbo_module) -> Result<(ModuleInfo,
 }
 
 /// The list of entries; its end is marked, so that a wrong count is seen on both sides.
+///
 /// # Safety
 /// The list is as long as its null pointer at the end says.
 unsafe fn entry_pointers(module: &rumbo_module) -> Result<Vec<*const rumbo_entry>, ModuleError> {

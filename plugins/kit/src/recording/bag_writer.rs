@@ -5,7 +5,8 @@
 //! proves in the tests that what is written here is what it expects.
 
 use super::bag_index::Index;
-use super::bag_piece::{HEAD, Piece};
+use super::bag_piece::Piece;
+use super::cdr_writer::CdrWriter;
 use super::layout::Layout;
 use super::mcap_records::{Records, TopicRecord};
 use mcap::records::op;
@@ -53,7 +54,8 @@ impl<W: Write> BagWriter<W> {
         to.write_all(&first.bytes)?;
         let mut bag = BagWriter {
             to: Some(to),
-            piece: Piece::with_capacity(Self::MOST_BYTES),
+            // A little more: the message that fills a piece stands in it whole, and the indexes behind it.
+            piece: Piece::with_capacity(Self::MOST_BYTES + (1 << 16)),
             index: Index::default(),
             closed_at: None,
             longest: Self::LONGEST,
@@ -76,13 +78,15 @@ impl<W: Write> BagWriter<W> {
         let schemas = &mut self.index.schemas;
         let known = schemas.iter().position(|known| known == layout);
         let schema = number(known.unwrap_or(schemas.len()))?.saturating_add(1);
+        let mut records = Records::default();
         if known.is_none() {
             schemas.push(*layout);
-            self.piece.records.schema(schema, layout);
+            records.schema(schema, layout);
         }
         let topic = TopicRecord { name: name.to_owned(), layout: *layout, schema, n_messages: 0 };
         let id = number(self.index.topics.len())?;
-        self.piece.records.channel(id, &topic);
+        records.channel(id, &topic);
+        self.piece.records(&records);
         self.index.topics.push(topic);
         self.piece.open();
         Ok(TopicId(id))
@@ -90,10 +94,19 @@ impl<W: Write> BagWriter<W> {
 
     /// Writes a message.
     pub fn write(&mut self, topic: TopicId, now: Time, message: &[u8]) -> io::Result<()> {
-        let log_time = u64::try_from(now.0).unwrap_or(0);
-        let n_messages = self.index.count(topic.0, log_time);
-        self.piece.message(topic.0, n_messages, log_time, message);
-        if self.piece.records.bytes.len() >= HEAD + Self::MOST_BYTES { self.close_piece() } else { Ok(()) }
+        self.write_with(topic, now, |cdr| cdr.room().extend(message))
+    }
+
+    /// Writes the message that `put` writes, where it stays; none where it writes nothing.
+    pub fn write_with(
+        &mut self,
+        topic: TopicId,
+        now: Time,
+        put: impl FnOnce(&mut CdrWriter),
+    ) -> io::Result<()> {
+        let (log_time, index) = (u64::try_from(now.0).unwrap_or(0), &mut self.index);
+        self.piece.message(topic.0, log_time, || index.count(topic.0, log_time), put);
+        if self.piece.len() >= Self::MOST_BYTES { self.close_piece() } else { Ok(()) }
     }
 
     /// Between two steps: closes the piece if it is old enough.
@@ -108,7 +121,7 @@ impl<W: Write> BagWriter<W> {
 
     /// A piece is written at once with its length in front, so a cut leaves no length that lies.
     fn close_piece(&mut self) -> io::Result<()> {
-        if self.piece.is_empty() {
+        if self.piece.len() == 0 {
             return Ok(());
         }
         let mut to = self.to.take().ok_or_else(Self::failed)?;

@@ -11,6 +11,19 @@ use rumbo_core::time::Time;
 
 /// Writes an observation.
 pub fn put_observation(cdr: &mut CdrWriter, observation: &Observation) {
+    put_observation_head(cdr, observation);
+    match &observation.data {
+        Data::LaserScan(scan) => {
+            cdr.f32s(&scan.ranges_m);
+            cdr.f32s(&scan.intensities);
+        }
+        Data::PointCloud(cloud) => cdr.array32(cloud.points_m.as_flattened()),
+        _ => {}
+    }
+}
+
+/// Writes an observation up to the ranges or points, which viewers get in the same bytes; any other one whole.
+pub fn put_observation_head(cdr: &mut CdrWriter, observation: &Observation) {
     cdr.begin().u16(observation.sensor.0);
     cdr.i64(observation.stamp.0);
     cdr.array(&numbers3(&observation.base_from_sensor));
@@ -34,8 +47,6 @@ fn put_data(cdr: &mut CdrWriter, data: &Data) {
             cdr.array(&[scan.first_bearing_rad, scan.bearing_step_rad, scan.sweep_s]);
             cdr.f32(scan.min_range_m);
             cdr.f32(scan.max_range_m);
-            cdr.f32s(&scan.ranges_m);
-            cdr.f32s(&scan.intensities);
         }
         Data::RangeRing(ring) => {
             cdr.array(&[ring.first_bearing_rad, ring.bearing_step_rad, ring.cone_rad, ring.ring_radius_m]);
@@ -57,7 +68,7 @@ fn put_data(cdr: &mut CdrWriter, data: &Data) {
             cdr.f32(image.unit_m);
             cdr.u16s(&image.depth);
         }
-        Data::PointCloud(cloud) => cdr.f32s(cloud.points_m.as_flattened()),
+        Data::PointCloud(cloud) => cdr.length(cloud.points_m.as_flattened().len()),
         Data::Imu(imu) => {
             cdr.f64s(imu.attitude_rad.as_ref().map_or(&[], |attitude| attitude));
             cdr.array(&imu.rates_rad_s);

@@ -5,12 +5,12 @@
 //! are. What a copy for viewers has already, ranges and points, is taken from there. All of it is exact: what comes out
 //! has the same bytes as what went in.
 
-use super::cdr::CdrError;
+use super::cdr::{CdrError, CdrWriter};
 use super::layout::OBSERVATIONS;
 use super::packed_words::{LastWords, take};
+use super::room::Room;
 use super::step_encoder::Said;
 use rumbo_core::messages::SensorId;
-use std::ops::Range;
 
 /// What every message begins with: plain CDR, little endian.
 const ENCODING: [u8; 4] = [0, 1, 0, 0];
@@ -24,29 +24,38 @@ const FIRST_OBSERVATION: u8 = 16;
 const FIXED: [Said; 7] =
     [Said::Order, Said::Map, Said::Estimate, Said::Path, Said::Command, Said::Event, Said::Step];
 
-/// A copy for viewers that was written before the step.
-#[derive(Debug, Clone)]
-pub struct ViewerCopy<'a> {
+/// Where the ranges or points of an observation stand: in a copy for viewers that was written before the step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ViewerCopy {
     /// How many copies there were before in this step.
-    pub number: usize,
-    /// All of it.
-    pub message: &'a [u8],
-    /// Where in it the ranges or points are.
-    pub readings: Range<usize>,
+    pub number: u8,
+    /// Where in the copy they begin.
+    pub start: usize,
+    /// How many bytes they are.
+    pub len: usize,
+}
+
+/// The last message of a kind.
+#[derive(Debug)]
+struct KnownKind {
+    said: Said,
+    /// What tells the kind in a step: a number, and that of the sensor.
+    code: ([u8; 3], usize),
+    words: LastWords,
 }
 
 /// The last messages of every kind.
 #[derive(Debug, Default)]
-struct Known(Vec<(Said, LastWords)>);
+struct Known(Vec<KnownKind>);
 
 impl Known {
-    fn of(&mut self, said: Said) -> Option<&mut LastWords> {
-        let known = self.0.iter().position(|(known, _)| *known == said);
+    fn of(&mut self, said: Said) -> Option<&mut KnownKind> {
+        let known = self.0.iter().position(|known| known.said == said);
         if known.is_none() {
-            self.0.push((said, LastWords::default()));
+            self.0.push(KnownKind { said, code: code_of(said), words: LastWords::default() });
         }
         let idx = known.unwrap_or(self.0.len() - 1);
-        self.0.get_mut(idx).map(|(_, last)| last)
+        self.0.get_mut(idx)
     }
 }
 
@@ -64,69 +73,67 @@ fn clocks(said: Said) -> &'static [usize] {
 #[derive(Debug, Default)]
 pub struct StepPacker {
     known: Known,
-    packed: Vec<u8>,
+    is_open: bool,
 }
 
 impl StepPacker {
     /// Head of the message and the length of its only field.
     const HEAD: usize = ENCODING.len() + 4;
 
-    /// Adds a message to the step.
-    pub fn add(&mut self, said: Said, message: &[u8], copy: Option<ViewerCopy<'_>>) {
-        let Some((known, out)) = self.known.of(said).zip(Some(&mut self.packed)) else { return };
-        if out.is_empty() {
-            out.resize(Self::HEAD, 0);
+    /// Adds a message to the step that stands in `to`; where there is a copy for viewers, `message` ends before the
+    /// readings.
+    pub fn add(&mut self, said: Said, message: &[u8], copy: Option<ViewerCopy>, to: &mut CdrWriter) {
+        let Some(known) = self.known.of(said) else { return };
+        if !self.is_open {
+            self.is_open = true;
+            to.begin().length(0);
         }
-        put_said(out, said);
-        let body = message.get(ENCODING.len()..).unwrap_or_default();
-        let copied = copy.and_then(|copy| {
-            let own = body.strip_suffix(copy.message.get(copy.readings.clone())?)?;
-            Some((u8::try_from(copy.number).ok()?, copy.readings, own))
-        });
-        let own = copied.as_ref().map_or(body, |(_, _, own)| own);
-        let is_other = own.len() != known.n_bytes();
+        let (out, own) = (to.room(), message.get(ENCODING.len()..).unwrap_or_default());
+        let (code, n_code) = known.code;
+        out.extend(code.get(..n_code).unwrap_or_default());
+        let is_other = own.len() != known.words.n_bytes();
         let length = if is_other { OTHER_LENGTH } else { 0 };
-        out.push(length | if copied.is_some() { COPIED } else { 0 });
+        out.put([length | if copy.is_some() { COPIED } else { 0 }]);
         if is_other {
             put_length(out, own.len());
+            known.words.fit(own.len());
         }
-        if let Some((number, readings, _)) = &copied {
-            out.push(*number);
-            put_length(out, readings.start);
-            put_length(out, readings.len());
+        if let Some(copy) = copy {
+            out.put([copy.number]);
+            put_length(out, copy.start);
+            put_length(out, copy.len);
         }
-        known.fit(own.len());
-        known.pack(own, clocks(said), out);
+        known.words.pack(own, clocks(said), out);
     }
 
-    /// The step as one message; none where there was nothing to say. The next message begins another.
-    pub fn finish(&mut self, write: impl FnOnce(&[u8])) {
-        let len = self.packed.len().saturating_sub(Self::HEAD);
-        if let Some(head) = self.packed.first_chunk_mut::<{ Self::HEAD }>() {
-            head[..4].copy_from_slice(&ENCODING);
-            head[4..].copy_from_slice(&u32::try_from(len).unwrap_or(u32::MAX).to_le_bytes());
-            write(&self.packed);
+    /// Closes the message; without one there was nothing to say. The next one begins another step.
+    pub fn finish(&mut self, to: &mut CdrWriter) {
+        if std::mem::take(&mut self.is_open) {
+            let len = to.bytes().len();
+            let start = to.room().len() - len;
+            let packed = u32::try_from(len - Self::HEAD).unwrap_or(u32::MAX);
+            to.room().set(start + ENCODING.len(), &packed.to_le_bytes());
         }
-        self.packed.clear();
     }
 }
 
-fn put_length(out: &mut Vec<u8>, len: usize) {
-    out.extend_from_slice(&u32::try_from(len).unwrap_or(u32::MAX).to_le_bytes());
+fn put_length(out: &mut Room, len: usize) {
+    out.put(u32::try_from(len).unwrap_or(u32::MAX).to_le_bytes());
 }
 
 fn length(packed: &mut &[u8]) -> Result<usize, CdrError> {
     Ok(u32::from_le_bytes(take(packed)?) as usize)
 }
 
-fn put_said(out: &mut Vec<u8>, said: Said) {
+/// What tells a kind in a step, and how many bytes of it.
+fn code_of(said: Said) -> ([u8; 3], usize) {
     if let Said::Observation(sensor, kind) = said {
         let known = OBSERVATIONS.iter().zip(FIRST_OBSERVATION..).find(|((known, _), _)| *known == kind);
-        out.push(known.map_or(u8::MAX, |(_, number)| number));
-        out.extend_from_slice(&sensor.0.to_le_bytes());
+        let [low, high] = sensor.0.to_le_bytes();
+        ([known.map_or(u8::MAX, |(_, number)| number), low, high], 3)
     } else {
         let known = FIXED.iter().zip(0..).find(|(known, _)| **known == said);
-        out.push(known.map_or(u8::MAX, |(_, number)| number));
+        ([known.map_or(u8::MAX, |(_, number)| number), 0, 0], 1)
     }
 }
 
@@ -170,12 +177,12 @@ impl StepUnpacker {
                 if wanted > packed.len() {
                     return Err(CdrError::Short { len: packed.len(), wanted });
                 }
-                known.fit(len);
+                known.words.fit(len);
             }
             let readings = if how & COPIED != 0 { copied(&mut packed, copies)? } else { &[] };
-            let mut message = Vec::with_capacity(ENCODING.len() + known.n_bytes() + 8 + readings.len());
+            let mut message = Vec::with_capacity(ENCODING.len() + known.words.n_bytes() + 8 + readings.len());
             message.extend_from_slice(&ENCODING);
-            packed = known.unpack(packed, clocks(said), &mut message)?;
+            packed = known.words.unpack(packed, clocks(said), &mut message)?;
             message.extend_from_slice(readings);
             say(said, message)?;
         }

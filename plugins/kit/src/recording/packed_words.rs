@@ -4,11 +4,14 @@
 //! time are expected to go on as they went, all others to stay as they are.
 
 use super::cdr::CdrError;
+use super::room::Room;
 
 /// Bytes of a word.
 const WORD: usize = 8;
 /// Words of a group.
 const GROUP: usize = 8;
+/// Bytes of a group of which everything changed.
+const MOST: usize = 1 + GROUP * WORD;
 
 /// The last message of a kind.
 #[derive(Debug, Default)]
@@ -54,29 +57,24 @@ impl LastWords {
     }
 
     /// Writes a message of the length that was fitted.
-    pub fn pack(&mut self, message: &[u8], clocks: &[usize], out: &mut Vec<u8>) {
+    pub fn pack(&mut self, message: &[u8], clocks: &[usize], out: &mut Room) {
         let before = self.expect(clocks);
-        for (group, last) in message.chunks(GROUP * WORD).zip(&mut self.groups) {
-            let mut words = [[0; WORD]; GROUP];
-            match group.first_chunk::<{ GROUP * WORD }>() {
-                Some(whole) => words.as_flattened_mut().copy_from_slice(whole),
-                None => words.as_flattened_mut()[..group.len()].copy_from_slice(group),
-            }
-            let words = words.map(u64::from_le_bytes);
-            let differs = |idx: usize| u8::from(words[idx] != last[idx]) << idx;
-            let mask = (0..GROUP).map(differs).fold(0, |mask, bit| mask | bit);
-            // Every word is written and only counted if it changed: no branch to be guessed.
-            let (mut changed, mut n_changed) = ([[0; WORD]; GROUP], 0);
-            for (idx, word) in words.iter().enumerate() {
-                changed[n_changed % GROUP] = word.to_le_bytes();
-                n_changed += usize::from(mask >> idx & 1);
-            }
-            *last = words;
-            out.push(mask);
-            // A copy of one length is a few instructions, one of any length is a call.
-            out.extend_from_slice(changed.as_flattened());
-            out.truncate(out.len() - (GROUP - n_changed) * WORD);
+        let (whole, rest) = message.as_chunks::<{ GROUP * WORD }>();
+        let (mut ahead, mut n_bytes) = (out.ahead(self.groups.len() * MOST), 0);
+        let mut pack = |group: &[u8; GROUP * WORD], last: &mut [u64; GROUP]| {
+            let n_packed = ahead.first_chunk_mut().map_or(0, |room| pack_group(group, last, room));
+            ahead = std::mem::take(&mut ahead).get_mut(n_packed..).unwrap_or_default();
+            n_bytes += n_packed;
+        };
+        for (group, last) in whole.iter().zip(&mut self.groups) {
+            pack(group, last);
         }
+        if let Some(last) = self.groups.get_mut(whole.len()) {
+            let mut padded = [0; GROUP * WORD];
+            padded.iter_mut().zip(rest).for_each(|(padded, byte)| *padded = *byte);
+            pack(&padded, last);
+        }
+        out.count(n_bytes);
         self.learn(clocks, before);
     }
 
@@ -102,6 +100,27 @@ impl LastWords {
         message.truncate(end);
         Ok(packed)
     }
+}
+
+/// Writes the words of a group that changed; how many bytes that are.
+#[inline]
+fn pack_group(group: &[u8; GROUP * WORD], last: &mut [u64; GROUP], room: &mut [u8; MOST]) -> usize {
+    let [mask_room, words_room @ ..] = room;
+    let (words, (rooms, _)) = (group.as_chunks::<WORD>().0, words_room.as_chunks_mut::<WORD>());
+    // Every word is written and only counted if it changed: no branch to be guessed.
+    let (mut mask, mut n_changed) = (0, 0);
+    for (idx, (word, last)) in words.iter().zip(last).enumerate() {
+        if let Some(room) = rooms.get_mut(n_changed) {
+            *room = *word;
+        }
+        let word = u64::from_le_bytes(*word);
+        let differs = word != *last;
+        *last = word;
+        mask |= u8::from(differs) << idx;
+        n_changed += usize::from(differs);
+    }
+    *mask_room = mask;
+    1 + n_changed * WORD
 }
 
 /// Takes bytes from the front.
@@ -133,12 +152,13 @@ mod tests {
                     message[at] = rng.random();
                 }
             }
-            let (mut packed, mut back) = (Vec::new(), vec![7]);
+            let (mut packed, mut back) = (Room::default(), vec![7]);
             packer.fit(message.len());
             packer.pack(&message, &[0, 1], &mut packed);
-            packed.push(9);
+            packed.put([9]);
             unpacker.fit(message.len());
-            assert_eq!(unpacker.unpack(&packed, &[0, 1], &mut back), Ok(&[9][..]), "round {round}");
+            let left = unpacker.unpack(packed.bytes(), &[0, 1], &mut back);
+            assert_eq!(left, Ok(&[9][..]), "round {round}");
             assert_eq!(back[1..], message, "round {round}");
         }
     }
@@ -147,7 +167,7 @@ mod tests {
     fn a_clock_that_goes_on_as_it_went_and_what_stays_cost_no_word() {
         let mut packer = LastWords::default();
         let lens = [0u64, 50, 100, 150, 151].map(|now| {
-            let (mut message, mut packed) = (now.to_le_bytes().to_vec(), Vec::new());
+            let (mut message, mut packed) = (now.to_le_bytes().to_vec(), Room::default());
             message.extend([1; 12]);
             packer.fit(message.len());
             packer.pack(&message, &[0], &mut packed);
@@ -158,13 +178,13 @@ mod tests {
 
     #[test]
     fn words_that_are_cut_are_a_fault() {
-        let (mut packer, mut packed) = (LastWords::default(), Vec::new());
+        let (mut packer, mut packed) = (LastWords::default(), Room::default());
         packer.fit(80);
         packer.pack(&[3; 80], &[], &mut packed);
         for len in 0..packed.len() {
             let mut unpacker = LastWords::default();
             unpacker.fit(80);
-            assert!(unpacker.unpack(&packed[..len], &[], &mut Vec::new()).is_err(), "cut at {len}");
+            assert!(unpacker.unpack(&packed.bytes()[..len], &[], &mut Vec::new()).is_err(), "cut at {len}");
         }
     }
 }

@@ -4,9 +4,10 @@
 use super::cdr::CdrWriter;
 use super::layout::{COMMAND, ESTIMATE, EVENT, Layout, MAP, ORDER, PATH, STEP, observation_layout};
 use super::map_code::put_map_hash;
-use super::observation::put_observation;
+use super::observation::{put_observation, put_observation_head};
 use super::order_code::put_order;
 use super::outputs::{StepMark, put_command, put_estimate, put_event, put_path, put_step};
+use super::packed_step::ViewerCopy;
 use rumbo_core::engine::StepView;
 use rumbo_core::map::Map;
 use rumbo_core::messages::{ObservationKind, SensorId};
@@ -79,7 +80,17 @@ pub struct StepEncoder {
 
 impl StepEncoder {
     /// Gives every message of a step to `say`.
-    pub fn encode(&mut self, view: &StepView<'_>, say: &mut dyn FnMut(Said, &[u8])) {
+    pub fn encode(&mut self, view: &StepView<'_>, say: &mut impl FnMut(Said, &[u8])) {
+        self.encode_beside(&[], view, &mut |said, message, _| say(said, message));
+    }
+
+    /// As [`StepEncoder::encode`]; of observations that viewers have a copy of, what stands before the readings.
+    pub fn encode_beside(
+        &mut self,
+        copies: &[Option<ViewerCopy>],
+        view: &StepView<'_>,
+        say: &mut impl FnMut(Said, &[u8], Option<ViewerCopy>),
+    ) {
         let is_first = self.last_step.is_none();
         // What the world says at its end comes with the step that was told already.
         if self.last_step.replace(view.step) == Some(view.step) {
@@ -87,43 +98,47 @@ impl StepEncoder {
         }
         for order in view.orders {
             put_order(&mut self.cdr, order);
-            say(Said::Order, self.cdr.bytes());
+            say(Said::Order, self.cdr.bytes(), None);
         }
-        for observation in view.observations {
-            put_observation(&mut self.cdr, observation);
-            say(Said::Observation(observation.sensor, observation.data.kind()), self.cdr.bytes());
+        for (idx, observation) in view.observations.iter().enumerate() {
+            let copy = copies.get(idx).copied().flatten();
+            match copy {
+                Some(_) => put_observation_head(&mut self.cdr, observation),
+                None => put_observation(&mut self.cdr, observation),
+            }
+            say(Said::Observation(observation.sensor, observation.data.kind()), self.cdr.bytes(), copy);
         }
         if is_first {
-            self.map(view.map, say);
+            self.map(view.map, &mut |said, message| say(said, message, None));
         }
         if view.estimate_is_new {
             put_estimate(&mut self.cdr, view.estimate);
-            say(Said::Estimate, self.cdr.bytes());
+            say(Said::Estimate, self.cdr.bytes(), None);
         }
         if view.path_number != self.path_number {
             self.path_number = view.path_number;
             put_path(&mut self.cdr, view.path_number, view.path);
-            say(Said::Path, self.cdr.bytes());
+            say(Said::Path, self.cdr.bytes(), None);
         }
         if view.command.stamp == view.now {
             put_command(&mut self.cdr, view.command, !view.not_actuated);
-            say(Said::Command, self.cdr.bytes());
+            say(Said::Command, self.cdr.bytes(), None);
         }
         self.events(view, say);
         let mark = StepMark { step: view.step, now: view.now, truth: view.truth.copied() };
         put_step(&mut self.cdr, &mark, view.state);
-        say(Said::Step, self.cdr.bytes());
+        say(Said::Step, self.cdr.bytes(), None);
     }
 
-    fn events(&mut self, view: &StepView<'_>, say: &mut dyn FnMut(Said, &[u8])) {
+    fn events(&mut self, view: &StepView<'_>, say: &mut impl FnMut(Said, &[u8], Option<ViewerCopy>)) {
         for event in view.events {
             put_event(&mut self.cdr, event);
-            say(Said::Event, self.cdr.bytes());
+            say(Said::Event, self.cdr.bytes(), None);
         }
     }
 
     /// Which map there is: in the first step, and again when the run is over.
-    pub fn map(&mut self, map: &Map, say: &mut dyn FnMut(Said, &[u8])) {
+    pub fn map(&mut self, map: &Map, say: &mut impl FnMut(Said, &[u8])) {
         put_map_hash(&mut self.cdr, map);
         say(Said::Map, self.cdr.bytes());
     }

@@ -1,5 +1,6 @@
 use super::cdr::{CdrError, CdrReader, CdrWriter};
 use super::layout::{END, PACKED_STEP, RUN, SCHEMA};
+use super::observation::put_observation_head;
 use super::outputs::{StepMark, put_command, put_event, put_step};
 use super::*;
 use rumbo_core::boundary::Buffer;
@@ -23,16 +24,20 @@ fn recording(n: u64) -> Vec<u8> {
         let (message, readings) = copy_of(&scan);
         let viewers = bag.topic("/sensor/eyes", &ros::layout::LASER_SCAN).unwrap();
         bag.write(viewers, now, &message).unwrap();
-        put_observation(&mut cdr, &scan);
-        let copy = ViewerCopy { number: 0, message: &message, readings };
-        packer.add(Said::Observation(SensorId(0), ObservationKind::LaserScan), cdr.bytes(), Some(copy));
-        put_command(&mut cdr, &Command { stamp: now, ..Command::default() }, true);
-        packer.add(Said::Command, cdr.bytes(), None);
-        put_event(&mut cdr, &Event { stamp: now, kind: EventKind::TimedOut });
-        packer.add(Said::Event, cdr.bytes(), None);
-        put_step(&mut cdr, &StepMark { step: idx, now, truth: None }, State::Waiting);
-        packer.add(Said::Step, cdr.bytes(), None);
-        packer.finish(|packed| bag.write(topic, now, packed).unwrap());
+        let copy = ViewerCopy { number: 0, start: readings.start, len: readings.len() };
+        bag.write_with(topic, now, |out| {
+            put_observation_head(&mut cdr, &scan);
+            let said = Said::Observation(SensorId(0), ObservationKind::LaserScan);
+            packer.add(said, cdr.bytes(), Some(copy), out);
+            put_command(&mut cdr, &Command { stamp: now, ..Command::default() }, true);
+            packer.add(Said::Command, cdr.bytes(), None, out);
+            put_event(&mut cdr, &Event { stamp: now, kind: EventKind::TimedOut });
+            packer.add(Said::Event, cdr.bytes(), None, out);
+            put_step(&mut cdr, &StepMark { step: idx, now, truth: None }, State::Waiting);
+            packer.add(Said::Step, cdr.bytes(), None, out);
+            packer.finish(out);
+        })
+        .unwrap();
         bag.rest(now).unwrap();
     }
     put_end(&mut cdr, "arrived", "");
@@ -147,15 +152,17 @@ fn through(
     observation: &Observation,
     copies: impl Fn(Vec<u8>) -> Vec<Vec<u8>>,
 ) -> Result<(usize, bool), CdrError> {
-    let (mut packer, mut cdr) = (StepPacker::default(), CdrWriter::default());
-    put_observation(&mut cdr, observation);
+    let (mut packer, mut cdr, mut packed) =
+        (StepPacker::default(), CdrWriter::default(), CdrWriter::default());
+    put_observation_head(&mut cdr, observation);
     let (message, readings) = copy_of(observation);
     let said = Said::Observation(observation.sensor, observation.data.kind());
-    packer.add(said, cdr.bytes(), Some(ViewerCopy { number: 0, message: &message, readings }));
-    let mut packed = Vec::new();
-    packer.finish(|bytes| packed = bytes.to_vec());
+    let copy = ViewerCopy { number: 0, start: readings.start, len: readings.len() };
+    packer.add(said, cdr.bytes(), Some(copy), &mut packed);
+    packer.finish(&mut packed);
+    put_observation(&mut cdr, observation);
     let mut same = false;
-    let octets = CdrReader::new(&packed).unwrap().octets().unwrap();
+    let octets = CdrReader::new(packed.bytes()).unwrap().octets().unwrap();
     StepUnpacker::default().unpack(octets, &copies(message.clone()), |found, bytes| {
         same = (found, bytes.as_slice()) == (said, cdr.bytes());
         Ok(())

@@ -3,51 +3,86 @@
 use super::bag_writer::{BagWriter, TopicId};
 use super::cdr::CdrWriter;
 use super::layout::Layout;
+use super::packed_step::ViewerCopy;
+use super::pose::{upright, upright2};
 use super::ros::{self, Stamped, layout};
 use super::step_encoder::sensor_name;
 use rumbo_core::engine::{EventKind, StepView};
-use rumbo_core::frames::{Pose3, flatten, lift};
-use rumbo_core::messages::{Data, Observation, SensorId};
+use rumbo_core::frames::Pose3;
+use rumbo_core::messages::{Data, Observation, ObservationKind, SensorId};
 use rumbo_core::time::{Span, Time};
 use std::io::{self, Write};
-use std::ops::Range;
 
 /// Frames as REP-105 names them.
 const MAP: &str = "map";
 const ODOM: &str = "odom";
 const BASE: &str = "base_footprint";
 
+/// Topics that are no sensor's.
+const TOPICS: [(&str, Layout); 8] = [
+    ("/tf", layout::TRANSFORMS),
+    ("/tf_static", layout::TRANSFORMS),
+    ("/pose", layout::POSE),
+    ("/truth", layout::PLACE),
+    ("/cmd_vel", layout::TWIST),
+    ("/plan", layout::PATH),
+    ("/map", layout::GRID),
+    ("/log", layout::LOG),
+];
+
+/// Each in [`TOPICS`].
+#[derive(Debug, Clone, Copy)]
+enum Topic {
+    Tree,
+    Mounts,
+    Pose,
+    Truth,
+    Velocity,
+    Plan,
+    Map,
+    Log,
+}
+
 /// Writes copies for viewers.
 #[derive(Debug, Default)]
 pub struct ViewerCopies {
-    cdr: CdrWriter,
-    topics: Vec<(String, TopicId)>,
+    topics: [Option<TopicId>; TOPICS.len()],
+    sensors: Vec<(SensorId, ObservationKind, TopicId)>,
     mounts: Vec<(SensorId, Pose3)>,
+    copies: Vec<Option<ViewerCopy>>,
     path_number: u64,
     map_version: Option<u64>,
+    tree_due: Option<Time>,
     poses_due: Option<Time>,
     map_due: Option<Time>,
 }
 
 impl ViewerCopies {
-    /// Poses are written so often at most.
-    const POSES: Span = Span(200_000_000);
+    /// Frames are written so often at most: scans are drawn where the robot was at their time.
+    const TREE: Span = Span(200_000_000);
+    /// Poses and velocities are written so often at most: each step has them to the bit.
+    const POSES: Span = Span(500_000_000);
     /// A map that changes is written so often at most.
     const MAPS: Span = Span(10_000_000_000);
 
     /// Writes what is worth a look in this step.
     pub fn write<W: Write>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> io::Result<()> {
-        if self.poses_due.is_none_or(|due| view.now >= due) {
-            self.poses_due = Some(view.now + Self::POSES);
+        if is_due(&mut self.tree_due, view.now, Self::TREE) {
+            let tree = [
+                (MAP, ODOM, upright(&view.estimate.map_from_odom)),
+                (ODOM, BASE, upright2(&view.odom_from_base)),
+            ];
+            self.say(to, Topic::Tree, view.now, |cdr| ros::put_transforms(cdr, view.now, &tree))?;
+        }
+        if is_due(&mut self.poses_due, view.now, Self::POSES) {
             self.poses(to, view)?;
         }
         if view.path_number != self.path_number {
             self.path_number = view.path_number;
-            ros::put_path(&mut self.cdr, Stamped { stamp: view.now, frame: MAP }, view.path);
-            self.say(to, "/plan", &layout::PATH, view.now)?;
+            let at = Stamped { stamp: view.now, frame: MAP };
+            self.say(to, Topic::Plan, view.now, |cdr| ros::put_path(cdr, at, view.path))?;
         }
-        if self.map_version != Some(view.map.version) && self.map_due.is_none_or(|due| view.now >= due) {
-            self.map_due = Some(view.now + Self::MAPS);
+        if self.map_version != Some(view.map.version) && is_due(&mut self.map_due, view.now, Self::MAPS) {
             self.map(to, view)?;
         }
         self.events(to, view)
@@ -59,8 +94,8 @@ impl ViewerCopies {
         if self.map_version.replace(view.map.version) == Some(view.map.version) {
             return Ok(());
         }
-        ros::put_grid(&mut self.cdr, Stamped { stamp: view.now, frame: MAP }, grid);
-        self.say(to, "/map", &layout::GRID, view.now)
+        let at = Stamped { stamp: view.now, frame: MAP };
+        self.say(to, Topic::Map, view.now, |cdr| ros::put_grid(cdr, at, grid))
     }
 
     /// What the world said after the last step.
@@ -74,75 +109,110 @@ impl ViewerCopies {
                     | EventKind::Guard(_)
                     | EventKind::Overflow { .. }
             );
-            ros::put_log(&mut self.cdr, event.stamp, is_trouble, &event.kind.to_string());
-            self.say(to, "/log", &layout::LOG, view.now)?;
+            let text = event.kind.to_string();
+            self.say(to, Topic::Log, view.now, |cdr| ros::put_log(cdr, event.stamp, is_trouble, &text))?;
         }
         Ok(())
     }
 
-    /// Writes what a sensor saw; what was written, and where in it the readings are.
-    pub fn observation<W: Write>(
+    /// Writes what sensors saw in a new step.
+    pub fn observations<W: Write>(
+        &mut self,
+        to: &mut BagWriter<W>,
+        view: &StepView<'_>,
+        sensors: &[String],
+    ) -> io::Result<()> {
+        self.copies.clear();
+        let mut n_copies = 0;
+        for observation in view.observations {
+            let readings = self.observation(to, view.now, observation, sensors)?;
+            // Readings beyond the last copy that can be named are written once more with their step.
+            let copy = readings.zip(u8::try_from(n_copies).ok());
+            n_copies += usize::from(readings.is_some());
+            self.copies.push(copy.map(|((start, len), number)| ViewerCopy { number, start, len }));
+        }
+        Ok(())
+    }
+
+    /// Where the readings of the last observations stand, one after the other.
+    pub fn copies(&self) -> &[Option<ViewerCopy>] {
+        &self.copies
+    }
+
+    /// Writes what a sensor saw; where in the message the readings begin, and how many bytes they are.
+    fn observation<W: Write>(
         &mut self,
         to: &mut BagWriter<W>,
         now: Time,
         observation: &Observation,
         sensors: &[String],
-    ) -> io::Result<Option<(&[u8], Range<usize>)>> {
-        let frame = sensor_name(sensors, observation.sensor);
-        let at = Stamped { stamp: observation.stamp, frame };
-        if !matches!(observation.data, Data::LaserScan(_) | Data::PointCloud(_)) {
-            return Ok(None);
-        }
-        let mount = (observation.sensor, observation.base_from_sensor);
-        if !self.mounts.contains(&mount) {
-            self.mounts.retain(|(sensor, _)| *sensor != mount.0);
-            self.mounts.push(mount);
-            ros::put_transforms(&mut self.cdr, now, &[(BASE, frame, mount.1)]);
-            self.say(to, "/tf_static", &layout::TRANSFORMS, now)?;
-        }
-        let (layout, readings) = match &observation.data {
-            Data::LaserScan(scan) => (layout::LASER_SCAN, ros::put_scan(&mut self.cdr, at, scan)),
-            Data::PointCloud(cloud) => (layout::POINT_CLOUD, ros::put_cloud(&mut self.cdr, at, cloud)),
+    ) -> io::Result<Option<(usize, usize)>> {
+        let (sensor, kind) = (observation.sensor, observation.data.kind());
+        let layout = match kind {
+            ObservationKind::LaserScan => layout::LASER_SCAN,
+            ObservationKind::PointCloud => layout::POINT_CLOUD,
             _ => return Ok(None),
         };
-        self.say(to, &format!("/sensor/{frame}"), &layout, now)?;
-        Ok(Some((self.cdr.bytes(), readings)))
+        let frame = sensor_name(sensors, sensor);
+        let at = Stamped { stamp: observation.stamp, frame };
+        let mount = (sensor, observation.base_from_sensor);
+        if !self.mounts.contains(&mount) {
+            self.mounts.retain(|(known, _)| *known != sensor);
+            self.mounts.push(mount);
+            let mount = [(BASE, frame, mount.1)];
+            self.say(to, Topic::Mounts, now, |cdr| ros::put_transforms(cdr, now, &mount))?;
+        }
+        let known = self.sensors.iter().find(|known| (known.0, known.1) == (sensor, kind));
+        let topic = match known {
+            Some((_, _, topic)) => *topic,
+            None => {
+                let topic = to.topic(&format!("/sensor/{frame}"), &layout)?;
+                self.sensors.push((sensor, kind, topic));
+                topic
+            }
+        };
+        let mut readings = 0..0;
+        to.write_with(topic, now, |cdr| match &observation.data {
+            Data::LaserScan(scan) => readings = ros::put_scan(cdr, at, scan),
+            Data::PointCloud(cloud) => readings = ros::put_cloud(cdr, at, cloud),
+            _ => {}
+        })?;
+        Ok(Some((readings.start, readings.len())))
     }
 
     fn poses<W: Write>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> io::Result<()> {
-        let now = view.now;
-        let map_from_odom = lift(&flatten(&view.estimate.map_from_odom));
-        let tree = [(MAP, ODOM, map_from_odom), (ODOM, BASE, lift(&view.odom_from_base))];
-        ros::put_transforms(&mut self.cdr, now, &tree);
-        self.say(to, "/tf", &layout::TRANSFORMS, now)?;
-        let at = Stamped { stamp: now, frame: MAP };
-        ros::put_pose(&mut self.cdr, at, &lift(&view.map_from_base), &view.estimate.covariance);
-        self.say(to, "/pose", &layout::POSE, now)?;
+        let (now, at) = (view.now, Stamped { stamp: view.now, frame: MAP });
+        let (pose, covariance) = (upright2(&view.map_from_base), &view.estimate.covariance);
+        self.say(to, Topic::Pose, now, |cdr| ros::put_pose(cdr, at, &pose, covariance))?;
         if let Some(truth) = view.truth {
-            ros::put_place(&mut self.cdr, at, &truth.map_from_base);
-            self.say(to, "/truth", &layout::PLACE, now)?;
+            self.say(to, Topic::Truth, now, |cdr| ros::put_place(cdr, at, &truth.map_from_base))?;
         }
-        ros::put_twist(&mut self.cdr, Stamped { stamp: now, frame: BASE }, &view.command.twist);
-        self.say(to, "/cmd_vel", &layout::TWIST, now)
+        let at = Stamped { stamp: now, frame: BASE };
+        self.say(to, Topic::Velocity, now, |cdr| ros::put_twist(cdr, at, &view.command.twist))
     }
 
-    /// Writes the message at hand; a topic is opened when it is first used.
+    /// Writes a message; a topic is opened when it is first used.
     fn say<W: Write>(
         &mut self,
         to: &mut BagWriter<W>,
-        topic: &str,
-        layout: &Layout,
+        topic: Topic,
         now: Time,
+        put: impl FnOnce(&mut CdrWriter),
     ) -> io::Result<()> {
-        let known = self.topics.iter().find(|(known, _)| known == topic).map(|(_, id)| *id);
+        let (known, (name, layout)) = (&mut self.topics[topic as usize], &TOPICS[topic as usize]);
         let id = match known {
-            Some(id) => id,
-            None => {
-                let id = to.topic(topic, layout)?;
-                self.topics.push((topic.to_owned(), id));
-                id
-            }
+            Some(id) => *id,
+            None => *known.insert(to.topic(name, layout)?),
         };
-        to.write(id, now, self.cdr.bytes())
+        to.write_with(id, now, put)
     }
+}
+
+/// Whether it is time again, and if so, when the next time is.
+fn is_due(due: &mut Option<Time>, now: Time, period: Span) -> bool {
+    let is_due = due.is_none_or(|due| now >= due);
+    if is_due {
+        *due = Some(now + period);
+    }
+    is_due
 }

@@ -3,7 +3,7 @@
 use crate::recording::cdr::CdrWriter;
 use nalgebra::Matrix6;
 use rumbo_core::frames::{Pose2, Pose3, Twist, lift};
-use rumbo_core::map::{CellClass, Grid};
+use rumbo_core::map::{Grid, GridHeader};
 use rumbo_core::messages::{LaserScan, Path, PointCloud};
 use rumbo_core::time::Time;
 use std::ops::Range;
@@ -114,10 +114,11 @@ pub fn put_grid(cdr: &mut CdrWriter, at: Stamped<'_>, grid: &Grid) {
     cdr.u32(grid.width());
     cdr.u32(grid.height());
     put_pose3(cdr, &lift(&grid.map_from_grid()));
-    cdr.octets_of(grid.cells.iter().map(|log_odds| match grid.class_of(*log_odds) {
-        CellClass::Free => 0,
-        CellClass::Occupied => 100,
-        CellClass::Unknown => UNKNOWN,
+    // As `Grid::class_of`, with both bounds at hand: the compiler takes many cells at once.
+    let GridHeader { occupied_above, free_below, .. } = *grid.header();
+    cdr.octets_of(grid.cells.iter().map(move |log_odds| {
+        let free_or_unknown = if *log_odds < free_below { 0 } else { UNKNOWN };
+        if *log_odds > occupied_above { 100 } else { free_or_unknown }
     }));
 }
 
@@ -149,4 +150,31 @@ pub fn put_log(cdr: &mut CdrWriter, stamp: Time, is_trouble: bool, text: &str) {
     cdr.text("");
     cdr.text("");
     cdr.u32(0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rumbo_core::map::CellClass;
+
+    #[test]
+    fn cells_are_what_the_grid_takes_them_for() {
+        let mut grid = Grid::unknown(5, 3, 0.1).unwrap();
+        let GridHeader { occupied_above, free_below, .. } = *grid.header();
+        let odds =
+            [occupied_above, free_below, 0.0, 9.0, -9.0, f32::NAN, occupied_above + 0.1, free_below - 0.1];
+        grid.cells.make_mut().iter_mut().zip(odds.into_iter().cycle()).for_each(|(cell, odds)| *cell = odds);
+        let mut cdr = CdrWriter::default();
+        put_grid(&mut cdr, Stamped { stamp: Time::ZERO, frame: "map" }, &grid);
+        let expected: Vec<u8> = grid
+            .cells
+            .iter()
+            .map(|odds| match grid.class_of(*odds) {
+                CellClass::Free => 0,
+                CellClass::Occupied => 100,
+                CellClass::Unknown => 255,
+            })
+            .collect();
+        assert!(cdr.bytes().ends_with(&expected), "{:?}", cdr.bytes());
+    }
 }
