@@ -60,6 +60,19 @@ const MAY_BE_UNSAFE: [&str; 7] = [
     "plugins/worlds/tests/warm_world.rs",
 ];
 
+/// One reason above holds for everything in its function where it says so.
+fn is_explained_for_all(above: &[&str]) -> bool {
+    let same_item = above.iter().rev().take_while(|line| **line != "}");
+    let reasons =
+        ["SAFETY: for all blocks below", "SAFETY: for the whole block", "SAFETY: for the four texts"];
+    same_item.into_iter().any(|line| reasons.iter().any(|reason| line.contains(reason)))
+}
+
+/// Types of the ABI, and functions of such a type: what callers promise is written with the types.
+fn is_of_the_abi(name: &str, code: &str) -> bool {
+    name.starts_with("core/src/boundary/") && code.contains("unsafe extern") && !code.contains("unsafe {")
+}
+
 #[test]
 fn unsafe_code_stays_where_it_is_allowed_and_gives_its_reason() {
     let mut wrong = Vec::new();
@@ -69,17 +82,17 @@ fn unsafe_code_stays_where_it_is_allowed_and_gives_its_reason() {
         let lines: Vec<&str> = text.lines().collect();
         for (idx, line) in lines.iter().enumerate() {
             let code = line.split("//").next().unwrap_or_default();
-            // What a C function is promised is the ABI's to say; the blocks in its body say what they make of it.
-            let opens = ["unsafe {", "unsafe impl", "unsafe fn"].iter().any(|word| code.contains(word));
+            let opens = ["unsafe {", "unsafe impl", "unsafe fn", "unsafe extern"]
+                .iter()
+                .any(|word| code.contains(word));
             if !opens || name.starts_with("tests/tidy/") {
                 continue;
             }
             let allowed = MAY_BE_UNSAFE.iter().any(|place| name.starts_with(place));
-            // One reason may stand for all blocks of a function: it is looked for up to the function's own comment.
-            let is_head = |line: &&str| line.contains("fn ") && line.trim_end().ends_with(['{', '(', '>']);
-            let head = lines[..idx].iter().rposition(is_head).unwrap_or(idx);
-            let above = &lines[head.min(idx).saturating_sub(8)..idx];
-            let is_explained = above.iter().any(|line| line.contains("SAFETY:") || line.contains("# Safety"));
+            let above = &lines[idx.saturating_sub(8)..idx];
+            let is_explained = above.iter().any(|line| line.contains("SAFETY:") || line.contains("# Safety"))
+                || is_explained_for_all(&lines[..idx])
+                || is_of_the_abi(&name, code);
             if !(allowed && (is_explained || !is_shipped(&name))) {
                 wrong.push(format!("{name}:{}", idx + 1));
             }

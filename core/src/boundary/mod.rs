@@ -9,6 +9,8 @@ mod buffer;
 mod convert;
 pub mod export;
 pub mod host;
+mod says_other;
 mod status;
+mod words;
 
 pub use buffer::{Buffer, BufferPool, Plain};

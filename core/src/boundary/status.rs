@@ -4,31 +4,10 @@ mod plan_error;
 
 use super::abi::*;
 use super::convert::{cut_into, text_in};
+use super::words::intern;
 use crate::frames::Point2;
 use crate::stages::{AvoidError, BuildError, LocalizeError, MapError, PlanError, SensorError, SlamError};
-use std::collections::BTreeSet;
 use std::ffi::c_char;
-use std::sync::Mutex;
-
-/// Words that are kept at most for the life of the program, and the longest of them.
-const MOST_WORDS: usize = 4096;
-const LONGEST_WORD: usize = 240;
-
-/// A word of a plugin that lives as long as the program. Words are few (names of drawings, nouns of errors); a plugin
-/// that makes up new ones for ever gets a placeholder.
-pub(super) fn intern(word: &str) -> &'static str {
-    static WORDS: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
-    let mut words = WORDS.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    if let Some(known) = words.get(word) {
-        return known;
-    }
-    if words.len() >= MOST_WORDS || word.len() > LONGEST_WORD {
-        return "(too many or too long words)";
-    }
-    let kept: &'static str = Box::leak(word.to_owned().into_boxed_str());
-    words.insert(kept);
-    kept
-}
 
 impl rumbo_error {
     /// No error.
@@ -236,28 +215,5 @@ impl Crosses for BuildError {
         let error = BuildError::at(text_in(&e.path), e.words(code));
         let help = text_in(&e.help);
         if help.is_empty() { error } else { error.help(help) }
-    }
-}
-
-/// An error that a panic on the plugin's side leaves, or that the poisoned instance answers from then on.
-pub(super) trait SaysOther {
-    /// As the stage's "anything else".
-    fn other(message: String) -> Self;
-}
-
-macro_rules! says_other {
-    ($($error:ident),*) => { $(
-        impl SaysOther for $error {
-            fn other(message: String) -> Self {
-                $error::Other(message)
-            }
-        }
-    )* };
-}
-says_other!(PlanError, LocalizeError, SlamError, MapError, AvoidError, SensorError);
-
-impl SaysOther for BuildError {
-    fn other(message: String) -> Self {
-        BuildError::at("", message)
     }
 }

@@ -31,16 +31,19 @@ impl HostLender {
 
     /// A buffer of zeros.
     pub fn f32(self, len: usize) -> Buffer<f32> {
+        // SAFETY: a function of the host, with the output of the present call.
         self.lend(|host, out| unsafe { (host.lend_f32)(out, len) }, len)
     }
 
     /// A buffer of zeros.
     pub fn u16(self, len: usize) -> Buffer<u16> {
+        // SAFETY: as above.
         self.lend(|host, out| unsafe { (host.lend_u16)(out, len) }, len)
     }
 
     /// A buffer of zeros.
     pub fn point3(self, len: usize) -> Buffer<[f32; 3]> {
+        // SAFETY: as above.
         self.lend(|host, out| unsafe { (host.lend_point3)(out, len) }, len)
     }
 

@@ -2,7 +2,8 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::status::{Crosses, SaysOther};
+use super::super::says_other::SaysOther;
+use super::super::status::Crosses;
 use crate::rng::Rng;
 use crate::stages::{Cx, GiveUp};
 use crate::time::Time;

@@ -6,7 +6,7 @@
 use super::super::abi::*;
 use super::super::buffer::{allocate_here, release_block, retain_block};
 use super::super::convert::{CArray, Hold, read, slice, str_from, string_from, text_of};
-use super::super::status::intern;
+use super::super::words::intern;
 use super::config::Values;
 use super::{log, map_mut, world};
 use crate::frames::Point2;
@@ -106,6 +106,9 @@ unsafe fn value(config: *const rumbo_config, path: rumbo_str) -> Option<&'static
 }
 
 /// Writes what `pick` makes of a value.
+///
+/// # Safety
+/// `config` is the one that the host handed over, and `out` null or a variable of the plugin.
 unsafe fn pick<T>(
     config: *const rumbo_config,
     path: rumbo_str,

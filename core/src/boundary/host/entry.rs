@@ -2,24 +2,22 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{
-    RobotLoan, layer_bits, manifest_from, manifest_of, read, rumbo_pose3_of, string_from, text_in, text_of,
-};
+use super::super::convert::{RobotLoan, manifest_from, manifest_of, read, string_from, text_in};
 use super::super::status::Crosses;
 use super::avoider::DynAvoider;
 use super::call::{Instance, Kept, Pushed, Who, push_bytes};
-use super::callbacks::{HOST, lend_flag};
+use super::callbacks::HOST;
 use super::config::{Config, fits_schema};
 use super::localizer::DynLocalizer;
 use super::map_builder::DynMapBuilder;
 use super::module::Record;
+use super::paths::Paths;
 use super::planner::DynPlanner;
 use super::sensor::DynSensor;
 use super::slam::DynSlam;
 use crate::registry::{Built, Configured, Entry, EntrySource, LibraryInfo, Manifest, ParseFault, Stage};
 use crate::stages::{BuildContext, BuildError};
 use std::ffi::c_void;
-use std::path::Path;
 use std::sync::Arc;
 
 /// The registry entry of a library's entry.
@@ -242,54 +240,6 @@ impl Ready {
                 let instance = Instance::new(this, table.destroy, who, kept);
                 Built::MapBuilder(Box::new(DynMapBuilder::new(instance, table)))
             }
-        }
-    }
-}
-
-/// The paths of a context as text.
-struct Paths<'c> {
-    folder: &'c str,
-    world_map: &'c str,
-    world_recording: &'c str,
-}
-
-impl<'c> Paths<'c> {
-    fn of(context: &'c BuildContext) -> Result<Paths<'c>, BuildError> {
-        let text = |path: &'c Path| {
-            let wrong = || {
-                BuildError::at(
-                    "plugin",
-                    format!("the path {} is no UTF-8, which a plugin of a library needs", path.display()),
-                )
-            };
-            path.to_str().ok_or_else(wrong)
-        };
-        let optional = |path: Option<&'c Path>| path.map_or(Ok(""), text);
-        Ok(Paths {
-            folder: text(&context.folder)?,
-            world_map: optional(context.world_map.as_deref())?,
-            world_recording: optional(context.world_recording.as_deref())?,
-        })
-    }
-
-    fn lend(&self, context: &BuildContext, robot: &mut RobotLoan, kept: &Kept) -> rumbo_context {
-        rumbo_context {
-            size: size_of::<rumbo_context>(),
-            name: text_of(&context.name),
-            sensor: context.sensor.0,
-            dry_run: context.dry_run.into(),
-            is_threaded: context.background.is_threaded().into(),
-            wanted_layers: layer_bits(&context.wanted_layers),
-            robot: robot.lend(&context.robot),
-            base_from_sensor: rumbo_pose3_of(&context.base_from_sensor),
-            rate_hz: context.rate_hz.unwrap_or(f64::NAN),
-            seed: context.seed,
-            rng: std::ptr::from_ref(kept.rng.as_ref()).cast_mut().cast(),
-            folder: text_of(self.folder),
-            world_map: text_of(self.world_map),
-            world_recording: text_of(self.world_recording),
-            latency_ns: context.background.latency().0,
-            abort: lend_flag(&kept.abort),
         }
     }
 }

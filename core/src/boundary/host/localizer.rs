@@ -3,7 +3,7 @@
 
 use super::super::abi::*;
 use super::super::convert::{EstimateLoan, MapLoan, SeenLoan, estimate_from, lend_prior};
-use super::super::status::SaysOther;
+use super::super::says_other::SaysOther;
 use super::call::{Instance, Pushed, lend_cx};
 use crate::map::Map;
 use crate::messages::{Estimate, Prior, Seen};

@@ -13,6 +13,7 @@ mod log;
 mod map_builder;
 mod map_mut;
 mod module;
+mod paths;
 mod planner;
 mod sensor;
 mod slam;

@@ -157,6 +157,9 @@ pub(super) unsafe fn records(module: *const rumbo_module) -> Result<(ModuleInfo,
 }
 
 /// The list of entries; its end is marked, so that a wrong count is seen on both sides.
+///
+/// # Safety
+/// The list is as long as its null pointer at the end says.
 unsafe fn entry_pointers(module: &rumbo_module) -> Result<Vec<*const rumbo_entry>, ModuleError> {
     let says = module.n_entries;
     let wrong = |has: String| ModuleError::Count { says, has };
@@ -180,6 +183,8 @@ unsafe fn entry_pointers(module: &rumbo_module) -> Result<Vec<*const rumbo_entry
     Ok(pointers)
 }
 
+/// # Safety
+/// As [`records`]: the library vouches for what its record points to.
 unsafe fn text(view: rumbo_str, what: &str) -> Result<String, String> {
     if view.len > LONGEST_TEXT {
         return Err(format!("has a {what} of {} bytes, expected at most {LONGEST_TEXT}", view.len));
