@@ -148,3 +148,17 @@ fn a_recording_is_a_world_for_another_pipeline() {
     assert_eq!(given.code, 2);
     assert!(given.stderr.contains("recorded with the sensors front_laser"), "{}", given.stderr);
 }
+
+#[test]
+fn viewers_get_frames_five_times_and_poses_twice_a_second() {
+    let file = recorded(&scratch("record_rates"), "a.mcap", &[OFFICE, "--set", SHORT]);
+    let mut times: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for message in BagReader::open(Path::new(&file)).unwrap() {
+        times.entry(message.channel.topic.clone()).or_default().push(message.log_time.as_secs());
+    }
+    for (topic, period_s) in [("/tf", 0.2), ("/pose", 0.5), ("/truth", 0.5), ("/cmd_vel", 0.5)] {
+        let steps_s: Vec<f64> = times[topic].windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let are_regular = steps_s.iter().all(|step_s| (step_s - period_s).abs() < 0.051);
+        assert!(steps_s.len() > 3 && are_regular, "{topic}: {steps_s:?}");
+    }
+}

@@ -40,7 +40,7 @@ pub struct ViewerCopy {
 struct KnownKind {
     said: Said,
     /// What tells the kind in a step: a number, and that of the sensor.
-    code: ([u8; 3], usize),
+    code: (u8, Option<[u8; 2]>),
     words: LastWords,
 }
 
@@ -49,6 +49,7 @@ struct KnownKind {
 struct Known(Vec<KnownKind>);
 
 impl Known {
+    #[inline]
     fn of(&mut self, said: Said) -> Option<&mut KnownKind> {
         let known = self.0.iter().position(|known| known.said == said);
         if known.is_none() {
@@ -89,11 +90,13 @@ impl StepPacker {
             to.begin().length(0);
         }
         let (out, own) = (to.room(), message.get(ENCODING.len()..).unwrap_or_default());
-        let (code, n_code) = known.code;
-        out.extend(code.get(..n_code).unwrap_or_default());
         let is_other = own.len() != known.words.n_bytes();
         let length = if is_other { OTHER_LENGTH } else { 0 };
-        out.put([length | if copy.is_some() { COPIED } else { 0 }]);
+        let how = length | if copy.is_some() { COPIED } else { 0 };
+        match known.code {
+            (number, None) => out.put([number, how]),
+            (number, Some([low, high])) => out.put([number, low, high, how]),
+        }
         if is_other {
             put_length(out, own.len());
             known.words.fit(own.len());
@@ -125,15 +128,14 @@ fn length(packed: &mut &[u8]) -> Result<usize, CdrError> {
     Ok(u32::from_le_bytes(take(packed)?) as usize)
 }
 
-/// What tells a kind in a step, and how many bytes of it.
-fn code_of(said: Said) -> ([u8; 3], usize) {
+/// The number of a kind, and that of the sensor.
+fn code_of(said: Said) -> (u8, Option<[u8; 2]>) {
     if let Said::Observation(sensor, kind) = said {
         let known = OBSERVATIONS.iter().zip(FIRST_OBSERVATION..).find(|((known, _), _)| *known == kind);
-        let [low, high] = sensor.0.to_le_bytes();
-        ([known.map_or(u8::MAX, |(_, number)| number), low, high], 3)
+        (known.map_or(u8::MAX, |(_, number)| number), Some(sensor.0.to_le_bytes()))
     } else {
         let known = FIXED.iter().zip(0..).find(|(known, _)| **known == said);
-        ([known.map_or(u8::MAX, |(_, number)| number), 0, 0], 1)
+        (known.map_or(u8::MAX, |(_, number)| number), None)
     }
 }
 

@@ -60,19 +60,14 @@ impl LastWords {
     pub fn pack(&mut self, message: &[u8], clocks: &[usize], out: &mut Room) {
         let before = self.expect(clocks);
         let (whole, rest) = message.as_chunks::<{ GROUP * WORD }>();
-        let (mut ahead, mut n_bytes) = (out.ahead(self.groups.len() * MOST), 0);
-        let mut pack = |group: &[u8; GROUP * WORD], last: &mut [u64; GROUP]| {
-            let n_packed = ahead.first_chunk_mut().map_or(0, |room| pack_group(group, last, room));
-            ahead = std::mem::take(&mut ahead).get_mut(n_packed..).unwrap_or_default();
-            n_bytes += n_packed;
-        };
+        let (ahead, mut n_bytes) = (out.ahead(self.groups.len() * MOST), 0);
         for (group, last) in whole.iter().zip(&mut self.groups) {
-            pack(group, last);
+            n_bytes += pack_group(group, last, ahead.get_mut(n_bytes..).unwrap_or_default());
         }
         if let Some(last) = self.groups.get_mut(whole.len()) {
             let mut padded = [0; GROUP * WORD];
             padded.iter_mut().zip(rest).for_each(|(padded, byte)| *padded = *byte);
-            pack(&padded, last);
+            n_bytes += pack_group(&padded, last, ahead.get_mut(n_bytes..).unwrap_or_default());
         }
         out.count(n_bytes);
         self.learn(clocks, before);
@@ -104,22 +99,25 @@ impl LastWords {
 
 /// Writes the words of a group that changed; how many bytes that are.
 #[inline]
-fn pack_group(group: &[u8; GROUP * WORD], last: &mut [u64; GROUP], room: &mut [u8; MOST]) -> usize {
-    let [mask_room, words_room @ ..] = room;
-    let (words, (rooms, _)) = (group.as_chunks::<WORD>().0, words_room.as_chunks_mut::<WORD>());
-    // Every word is written and only counted if it changed: no branch to be guessed.
-    let (mut mask, mut n_changed) = (0, 0);
-    for (idx, (word, last)) in words.iter().zip(last).enumerate() {
-        if let Some(room) = rooms.get_mut(n_changed) {
-            *room = *word;
-        }
-        let word = u64::from_le_bytes(*word);
-        let differs = word != *last;
+fn pack_group(group: &[u8; GROUP * WORD], last: &mut [u64; GROUP], ahead: &mut [u8]) -> usize {
+    let Some([mask_room, words_room @ ..]) = ahead.first_chunk_mut::<MOST>() else { return 0 };
+    let mut mask = 0;
+    for ((idx, bytes), last) in (0..GROUP).zip(group.as_chunks::<WORD>().0).zip(&mut *last) {
+        let word = u64::from_le_bytes(*bytes);
+        mask |= u8::from(word != *last) << idx;
         *last = word;
-        mask |= u8::from(differs) << idx;
-        n_changed += usize::from(differs);
     }
     *mask_room = mask;
+    // A robot's messages change in the same words time after time: the processor guesses these branches well.
+    let (mut left, mut n_changed) = (mask, 0);
+    while left != 0 {
+        let changed = last[left.trailing_zeros() as usize % GROUP];
+        if let Some(room) = words_room.as_chunks_mut::<WORD>().0.get_mut(n_changed) {
+            *room = changed.to_le_bytes();
+        }
+        n_changed += 1;
+        left &= left - 1;
+    }
     1 + n_changed * WORD
 }
 

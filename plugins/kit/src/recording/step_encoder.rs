@@ -76,6 +76,8 @@ pub struct StepEncoder {
     path_number: u64,
     last_step: Option<u64>,
     cdr: CdrWriter,
+    /// The map's version, and the message that tells which it is.
+    map: (Option<u64>, CdrWriter),
 }
 
 impl StepEncoder {
@@ -137,9 +139,12 @@ impl StepEncoder {
         }
     }
 
-    /// Which map there is: in the first step, and again when the run is over.
+    /// Which map there is: in the first step, and again when the run is over. A map that changed has another version.
     pub fn map(&mut self, map: &Map, say: &mut impl FnMut(Said, &[u8])) {
-        put_map_hash(&mut self.cdr, map);
-        say(Said::Map, self.cdr.bytes());
+        let (version, message) = &mut self.map;
+        if version.replace(map.version) != Some(map.version) {
+            put_map_hash(message, map);
+        }
+        say(Said::Map, message.bytes());
     }
 }

@@ -213,6 +213,46 @@ fn another_reader_finds_everything_that_was_written_and_its_sums_are_right() {
 }
 
 #[test]
+fn a_message_that_nobody_writes_takes_no_place_and_no_number() {
+    let bag = |is_said: bool| {
+        let mut bag = BagWriter::new(Cursor::new(Vec::new())).unwrap();
+        let topic = bag.topic("/log", &ros::layout::LOG).unwrap();
+        for (now, text) in [(1, "first"), (2, "second")] {
+            if is_said {
+                bag.write_with(topic, Time(now), |_| {}).unwrap();
+            }
+            bag.write_with(topic, Time(now), |cdr| ros::put_log(cdr, Time(now), false, text)).unwrap();
+        }
+        bag.finish().unwrap().into_inner()
+    };
+    assert_eq!(bag(true), bag(false));
+    let (bytes, mut cdr) = (bag(true), CdrWriter::default());
+    let last = mcap::MessageStream::new(&bytes).unwrap().last().unwrap().unwrap();
+    ros::put_log(&mut cdr, Time(2), false, "second");
+    // Numbers are aligned to where the message begins, not to where it stands in the file.
+    assert_eq!((last.sequence, last.data.as_ref()), (1, cdr.bytes()));
+}
+
+#[test]
+fn a_map_is_hashed_anew_when_its_version_went_up() {
+    let grid = rumbo_core::map::Grid::unknown(4, 4, 0.1).unwrap();
+    let mut map = rumbo_core::map::Map { grid: Some(grid), ..Default::default() };
+    let mut encoder = StepEncoder::default();
+    let mut hash = |map: &rumbo_core::map::Map| {
+        let (mut told, mut expected) = (Vec::new(), CdrWriter::default());
+        encoder.map(map, &mut |_, message| told = message.to_vec());
+        put_map_hash(&mut expected, map);
+        assert_eq!(told, expected.bytes());
+        told
+    };
+    let before = hash(&map);
+    assert_eq!(hash(&map), before);
+    map.grid.as_mut().unwrap().cells.make_mut()[3] = 1.0;
+    map.touch();
+    assert_ne!(hash(&map), before);
+}
+
+#[test]
 fn a_bag_that_is_dropped_is_closed() {
     struct Shared(std::sync::Arc<std::sync::Mutex<Vec<u8>>>);
     impl std::io::Write for Shared {
