@@ -6,7 +6,7 @@ use super::abi::*;
 use super::convert::{cut_into, text_in};
 use super::words::intern;
 use crate::frames::Point2;
-use crate::stages::{AvoidError, BuildError, LocalizeError, MapError, PlanError, SensorError, SlamError};
+use crate::stages::{AvoidError, BuildError, LocalizeError, MapError, SensorError, SlamError};
 use std::ffi::c_char;
 
 impl rumbo_error {
