@@ -427,8 +427,10 @@ impl Planner for LinePlanner {
         let occupied = request.grid.as_ref().map_or(0, |g| g.cells.iter().filter(|v| **v > 0.0).count());
         let words = format!("{} obstacles, {occupied} cells", request.obstacles.len());
         LOG.lock().unwrap().push((self.1.clone(), words));
-        while self.0.is_deaf {
-            std::thread::sleep(std::time::Duration::from_millis(50));
+        if self.0.is_deaf {
+            loop {
+                std::thread::sleep(std::time::Duration::from_millis(50));
+            }
         }
         while self.0.waits && !request.give_up.is_raised() {
             std::thread::yield_now();
