@@ -1,4 +1,8 @@
 /*
+ * FROZEN: include/rumbo_plugin.h as it was when ABI 1.0 was made. Never generated anew, never changed: plugin.c beside it
+ * stands for every plugin that was built then, and every host of major 1 must run it.
+ */
+/*
  * The plugin ABI of Rumbo, major 1: planners, avoiders, localizers, map builders, SLAM and sensors in a shared library.
  *
  * Generated from core/src/boundary/abi; do not edit. RUMBO_UPDATE=1 cargo test --test boundary header writes it anew.
