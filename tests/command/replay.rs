@@ -80,7 +80,11 @@ fn a_recording_that_an_older_program_made_is_still_replayed() {
         let report = given.json();
         // Every message that was recorded is understood; whether it is said again depends on today's plugins.
         assert!(given.code < 2 && report["damage"].is_null(), "{report}: {}", given.stderr);
-        assert_eq!((&report["steps"], &report["messages"]), (&n_steps.into(), &n_messages.into()), "{report}");
+        assert_eq!(
+            (&report["steps"], &report["messages"]),
+            (&n_steps.into(), &n_messages.into()),
+            "{report}"
+        );
         let stages = report["differences"].as_array().unwrap();
         assert!(
             stages.iter().all(|found| found["stage"] != "front_laser" && found["stage"] != "wheels"),
