@@ -73,7 +73,7 @@ impl RunRecording {
 
 impl<W: Write> RunRecording<W> {
     /// What a world that only computes may lose when the program is killed: running it again brings it back.
-    const LONGEST_COMPUTED: Span = Span(30_000_000_000);
+    const LONGEST_COMPUTED: Span = Span(60_000_000_000);
 
     /// Begins a recording in a bag.
     pub fn new(mut bag: BagWriter<W>, header: &RunHeader) -> io::Result<RunRecording<W>> {
