@@ -193,8 +193,20 @@ fn a_library_of_another_compiler_with_another_layout_gives_the_same_answers() {
     assert!(error.contains("made to panic in create"), "{error}");
 }
 
+/// Says to this test that it has a process of its own: memory is measured for the whole process, and the other tests of
+/// this one use it at the same time.
+const ALONE: &str = "RUMBO_TEST_ALONE";
+
 #[test]
 fn ten_thousand_instances_and_plans_leave_nothing_behind() {
+    if std::env::var_os(ALONE).is_none() {
+        let name = "rust_fixture::ten_thousand_instances_and_plans_leave_nothing_behind";
+        let mut alone = std::process::Command::new(std::env::current_exe().unwrap());
+        let out = alone.args(["--exact", name, "--nocapture"]).env(ALONE, "1").output().unwrap();
+        let told = String::from_utf8_lossy(&out.stdout);
+        assert!(told.contains("1 passed"), "{told}{}", String::from_utf8_lossy(&out.stderr));
+        return;
+    }
     let (entry, request) = (entry(), request());
     let cycle = || {
         let mut planner = made(&entry, "straight").unwrap();
