@@ -201,11 +201,10 @@ const ALONE: &str = "RUMBO_TEST_ALONE";
 fn ten_thousand_instances_and_plans_leave_nothing_behind() {
     if std::env::var_os(ALONE).is_none() {
         let name = "rust_fixture::ten_thousand_instances_and_plans_leave_nothing_behind";
-        let mut alone = std::process::Command::new(std::env::current_exe().unwrap());
+        let mut alone = Command::new(std::env::current_exe().unwrap());
         let out = alone.args(["--exact", name, "--nocapture"]).env(ALONE, "1").output().unwrap();
         let told = String::from_utf8_lossy(&out.stdout);
-        assert!(told.contains("1 passed"), "{told}{}", String::from_utf8_lossy(&out.stderr));
-        return;
+        return assert!(told.contains("1 passed"), "{told}{}", String::from_utf8_lossy(&out.stderr));
     }
     let (entry, request) = (entry(), request());
     let cycle = || {
