@@ -81,8 +81,10 @@ pub(crate) unsafe fn candidates_from(
 /// The estimate behind a view, with its candidates.
 ///
 /// # Safety
-/// The parts of `view` are alive.
-pub(crate) unsafe fn estimate_from(view: &rumbo_estimate) -> Result<Estimate, BadView> {
+/// `view` points to a view whose parts are alive.
+pub(crate) unsafe fn estimate_from(view: *const rumbo_estimate) -> Result<Estimate, BadView> {
+    // SAFETY: as promised by the caller.
+    let view = unsafe { read(view) }.ok_or_else(|| BadView::new("the estimate points nowhere"))?;
     let mut candidates = Vec::new();
     // SAFETY: as promised by the caller.
     unsafe { candidates_from(view.candidates, view.n_candidates, &mut candidates)? };

@@ -47,14 +47,15 @@ impl MapLoan {
             n_coarse: self.grids.len() - n_fine,
             coarse_stride: size_of::<rumbo_grid>(),
             coarse: self.grids.as_ptr().wrapping_add(n_fine),
-            lines: at(&self.lines),
-            landmarks: at(&self.landmarks),
-            voxels: at(&self.voxels),
+            lines: pointer_to(&self.lines),
+            landmarks: pointer_to(&self.landmarks),
+            voxels: pointer_to(&self.voxels),
         }
     }
 }
 
-fn at<T>(part: &Option<T>) -> *const T {
+/// Where an optional part lies; null where there is none.
+pub(crate) fn pointer_to<T>(part: &Option<T>) -> *const T {
     part.as_ref().map_or(std::ptr::null(), std::ptr::from_ref)
 }
 
@@ -89,6 +90,15 @@ pub(crate) unsafe fn grid_from(view: *const rumbo_grid, hold: Hold) -> Result<Gr
     Grid::new(header, cells).map_err(|fault| BadView::new(fault.to_string()))
 }
 
+/// The grid that is lent behind a view; none where the view is null.
+///
+/// # Safety
+/// `view` is null or points to a view whose cells are alive.
+pub(crate) unsafe fn optional_grid_from(view: *const rumbo_grid) -> Result<Option<Grid>, BadView> {
+    // SAFETY: as promised by the caller.
+    (!view.is_null()).then(|| unsafe { grid_from(view, Hold::Lent) }).transpose()
+}
+
 fn chunk_of(chunk: &VoxelChunk) -> rumbo_voxel_chunk {
     rumbo_voxel_chunk { index: chunk.index, reserved: 0, log_odds: CArray::lend(&chunk.log_odds) }
 }
@@ -115,10 +125,8 @@ pub(crate) unsafe fn chunk_from(view: &rumbo_voxel_chunk, hold: Hold) -> Result<
 pub(crate) unsafe fn map_from(view: *const rumbo_map) -> Result<Map, BadView> {
     // SAFETY: for all blocks below: as promised by the caller.
     let view = unsafe { read(view) }.ok_or_else(|| BadView::new("the map points nowhere"))?;
-    let mut map = Map { version: view.version, ..Map::default() };
-    if !view.grid.is_null() {
-        map.grid = Some(unsafe { grid_from(view.grid, Hold::Lent)? });
-    }
+    let grid = unsafe { optional_grid_from(view.grid)? };
+    let mut map = Map { version: view.version, grid, ..Map::default() };
     for idx in 0..view.n_coarse {
         let at = view.coarse.cast::<u8>().wrapping_add(idx * view.coarse_stride).cast::<rumbo_grid>();
         map.coarse_grids.push(unsafe { grid_from(at, Hold::Lent)? });

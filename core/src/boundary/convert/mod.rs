@@ -21,7 +21,9 @@ pub(super) use basic::{
 pub(super) use estimate::{EstimateLoan, estimate_from, lend_prior, prior_from};
 pub(super) use lend_observation::{SeenLoan, intrinsics_of};
 pub(super) use manifest::{layer_bits, layers_from, manifest_from, manifest_of};
-pub(super) use map::{MapLoan, chunk_from, give_chunk, give_grid, grid_from, grid_of, map_from};
+pub(super) use map::{
+    MapLoan, chunk_from, give_chunk, give_grid, grid_from, grid_of, map_from, optional_grid_from, pointer_to,
+};
 pub(super) use observation::{intrinsics_from, marks_from, observation_from, observations_from, slice};
 pub(super) use path::{obstacle_of, obstacles_from, path_from, point_of, points_of};
 pub(super) use robot::{RobotLoan, robot_from};

@@ -3,12 +3,12 @@
 
 use super::super::abi::*;
 use super::super::convert::{
-    BadView, Hold, estimate_from, grid_from, map_from, observations_from, obstacle_of, obstacles_from,
+    BadView, estimate_from, map_from, observations_from, obstacle_of, obstacles_from, optional_grid_from,
     path_from, pose2_from, read, robot_from, slice, twist_from, twist_of,
 };
 use super::super::status::Crosses as _;
 use super::call::{Call, bad};
-use super::guard::{caught, guarded};
+use super::guard::{destroy, guarded};
 use crate::messages::{Observation, Obstacle, Path, Seen};
 use crate::robot::Robot;
 use crate::stages::{AvoidInput, Avoider, Steering};
@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Functions of every avoider.
 pub(super) static TABLE: rumbo_avoider_table = rumbo_avoider_table {
     size: size_of::<rumbo_avoider_table>(),
-    destroy: Some(destroy),
+    destroy: Some(destroy::<Side>),
     steer: Some(steer),
 };
 
@@ -34,11 +34,6 @@ struct Side {
 pub(super) fn this(avoider: Box<dyn Avoider>, robot: Arc<Robot>) -> *mut c_void {
     let (seen, obstacles) = (Vec::new(), Vec::new());
     Box::into_raw(Box::new(Side { avoider, robot, seen, obstacles, path: None })).cast()
-}
-
-unsafe extern "C" fn destroy(this: *mut c_void) {
-    // SAFETY: called once, on what `this` gave.
-    let _ = caught(|| drop(unsafe { Box::from_raw(this.cast::<Side>()) }));
 }
 
 unsafe extern "C" fn steer(
@@ -82,14 +77,9 @@ impl Side {
         unsafe { obstacles_from(input.obstacles, input.n_obstacles, &mut self.obstacles)? };
         self.robot = unsafe { robot_from(input.robot, Some(&self.robot))? };
         unsafe { self.take_path(input)? };
-        let estimate = unsafe { read(input.estimate) }
-            .ok_or_else(|| BadView("the estimate points nowhere".to_owned()))?;
-        let estimate = unsafe { estimate_from(&estimate)? };
+        let estimate = unsafe { estimate_from(input.estimate)? };
         let map = unsafe { map_from(input.map)? };
-        let grid = match input.grid.is_null() {
-            true => None,
-            false => Some(unsafe { grid_from(input.grid, Hold::Lent)? }),
-        };
+        let grid = unsafe { optional_grid_from(input.grid)? };
         let input = AvoidInput {
             map_from_base: pose2_from(&input.map_from_base, "map_from_base")?,
             estimate: &estimate,

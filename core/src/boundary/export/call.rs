@@ -2,9 +2,8 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{BadView, read, text_of};
+use super::super::convert::{BadView, point_of, read, text_of};
 use super::host;
-use crate::frames::Point2;
 use crate::stages::{Cx, GiveUp};
 use crate::time::Time;
 use crate::trace::{Drawing, Trace};
@@ -98,7 +97,7 @@ fn hand_on(trace: &Trace, to: *mut rumbo_trace) {
             Drawing::Polyline { name, points } => (host.draw_polyline, name, points),
             Drawing::Points { name, points } => (host.draw_points, name, points),
         };
-        let points: Vec<rumbo_point> = points.iter().map(point).collect();
+        let points: Vec<rumbo_point> = points.iter().map(point_of).collect();
         // SAFETY: the trace of the present call, and views that live until it returns.
         unsafe { draw(to, text_of(name), points.as_ptr(), points.len()) };
     }
@@ -106,10 +105,6 @@ fn hand_on(trace: &Trace, to: *mut rumbo_trace) {
         // SAFETY: as above.
         unsafe { (host.count)(to, text_of(name), value) };
     }
-}
-
-fn point(point: &Point2) -> rumbo_point {
-    rumbo_point { x_m: point.x, y_m: point.y }
 }
 
 /// A view that does not hold together, as a status.

@@ -38,6 +38,25 @@ fn refuse(fault: &ParseFault, error: &mut rumbo_error) -> i32 {
     RUMBO_BAD_CONFIG
 }
 
+/// Answers one of the host's questions about a plugin with parameters, or says what is wrong with them.
+///
+/// # Safety
+/// All three belong to the present call, and `entry` is one of ours.
+unsafe fn answered(
+    entry: *const rumbo_entry,
+    config: *const rumbo_config,
+    error: *mut rumbo_error,
+    answer: impl FnOnce(&dyn Configured, &mut rumbo_error) -> i32,
+) -> i32 {
+    // SAFETY: as promised by the caller.
+    unsafe {
+        guarded(error, |error| match configured(entry, config) {
+            Ok(configured) => answer(configured.as_ref(), error),
+            Err(fault) => refuse(&fault, error),
+        })
+    }
+}
+
 /// Makes an instance.
 pub(super) unsafe extern "C" fn create(
     entry: *const rumbo_entry,
@@ -49,11 +68,7 @@ pub(super) unsafe extern "C" fn create(
 ) -> i32 {
     // SAFETY: for all blocks below: what the host hands over for this call.
     unsafe {
-        guarded(error, |error| {
-            let configured = match configured(entry, config) {
-                Ok(configured) => configured,
-                Err(fault) => return refuse(&fault, error),
-            };
+        answered(entry, config, error, |configured, error| {
             let context = match context_from(context) {
                 Ok(context) => context,
                 Err(view) => return bad(&view, error),
@@ -88,12 +103,9 @@ pub(super) unsafe extern "C" fn manifest(
 ) -> i32 {
     // SAFETY: what the host hands over for this call.
     unsafe {
-        guarded(error, |error| match configured(entry, config) {
-            Err(fault) => refuse(&fault, error),
-            Ok(configured) => {
-                write_sized(out, &manifest_of(&configured.manifest()));
-                RUMBO_OK
-            }
+        answered(entry, config, error, |configured, _| {
+            write_sized(out, &manifest_of(&configured.manifest()));
+            RUMBO_OK
         })
     }
 }
@@ -107,18 +119,15 @@ pub(super) unsafe extern "C" fn check(
 ) -> i32 {
     // SAFETY: what the host hands over for this call.
     unsafe {
-        guarded(error, |error| match configured(entry, config) {
-            Err(fault) => refuse(&fault, error),
-            Ok(configured) => {
-                let Some((out, push)) = read(faults).and_then(|out| Some((out, out.push?))) else {
-                    return RUMBO_ERROR;
-                };
-                for fault in configured.check() {
-                    let help = fault.help.as_deref().unwrap_or_default();
-                    push(out.ctx, text_of(&fault.path), text_of(&fault.message), text_of(help));
-                }
-                RUMBO_OK
+        answered(entry, config, error, |configured, _| {
+            let Some((out, push)) = read(faults).and_then(|out| Some((out, out.push?))) else {
+                return RUMBO_ERROR;
+            };
+            for fault in configured.check() {
+                let help = fault.help.as_deref().unwrap_or_default();
+                push(out.ctx, text_of(&fault.path), text_of(&fault.message), text_of(help));
             }
+            RUMBO_OK
         })
     }
 }
@@ -132,15 +141,12 @@ pub(super) unsafe extern "C" fn parameters(
 ) -> i32 {
     // SAFETY: what the host hands over for this call.
     unsafe {
-        guarded(error, |error| match configured(entry, config) {
-            Err(fault) => refuse(&fault, error),
-            Ok(configured) => {
-                let Some((out, push)) = read(text).and_then(|out| Some((out, out.push?))) else {
-                    return RUMBO_ERROR;
-                };
-                push(out.ctx, text_of(&configured.parameters().to_string()));
-                RUMBO_OK
-            }
+        answered(entry, config, error, |configured, _| {
+            let Some((out, push)) = read(text).and_then(|out| Some((out, out.push?))) else {
+                return RUMBO_ERROR;
+            };
+            push(out.ctx, text_of(&configured.parameters().to_string()));
+            RUMBO_OK
         })
     }
 }

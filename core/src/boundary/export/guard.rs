@@ -4,6 +4,7 @@
 use super::super::abi::{RUMBO_ERROR, RUMBO_PANIC, rumbo_error};
 use std::any::Any;
 use std::cell::{Cell, RefCell};
+use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Once;
 
@@ -45,8 +46,17 @@ pub(super) unsafe fn guarded(error: *mut rumbo_error, body: impl FnOnce(&mut rum
     }
 }
 
+/// Ends an instance of any stage; a panic in its drop goes no further.
+///
+/// # Safety
+/// Called once, on a `Side` that was boxed for the host.
+pub(super) unsafe extern "C" fn destroy<Side>(this: *mut c_void) {
+    // SAFETY: as promised by the caller.
+    let _ = caught(|| drop(unsafe { Box::from_raw(this.cast::<Side>()) }));
+}
+
 /// What `body` gives, or the place and words of its panic.
-pub(super) fn caught<T>(body: impl FnOnce() -> T) -> Result<T, String> {
+fn caught<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     GUARDED.set(GUARDED.get() + 1);
     let result = catch_unwind(AssertUnwindSafe(body));
     GUARDED.set(GUARDED.get() - 1);

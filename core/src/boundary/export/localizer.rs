@@ -7,7 +7,7 @@ use super::super::convert::{
 };
 use super::super::status::Crosses as _;
 use super::call::{Call, bad};
-use super::guard::{caught, guarded};
+use super::guard::{destroy, guarded};
 use crate::messages::{Estimate, Observation, Seen};
 use crate::stages::Localizer;
 use std::ffi::c_void;
@@ -15,7 +15,7 @@ use std::ffi::c_void;
 /// Functions of every localizer.
 pub(super) static TABLE: rumbo_localizer_table = rumbo_localizer_table {
     size: size_of::<rumbo_localizer_table>(),
-    destroy: Some(destroy),
+    destroy: Some(destroy::<Side>),
     start: Some(start),
     update: Some(update),
 };
@@ -29,11 +29,6 @@ struct Side {
 /// An instance as the host keeps it.
 pub(super) fn this(localizer: Box<dyn Localizer>) -> *mut c_void {
     Box::into_raw(Box::new(Side { localizer, seen: Vec::new(), loan: EstimateLoan::default() })).cast()
-}
-
-unsafe extern "C" fn destroy(this: *mut c_void) {
-    // SAFETY: called once, on what `this` gave.
-    let _ = caught(|| drop(unsafe { Box::from_raw(this.cast::<Side>()) }));
 }
 
 unsafe extern "C" fn start(

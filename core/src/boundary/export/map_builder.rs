@@ -2,10 +2,10 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{BadView, estimate_from, observations_from, read};
+use super::super::convert::{BadView, estimate_from, observations_from};
 use super::super::status::Crosses as _;
 use super::call::{Call, bad};
-use super::guard::{caught, guarded};
+use super::guard::{destroy, guarded};
 use super::map_taken::with_map;
 use crate::map::Map;
 use crate::messages::{Observation, Seen};
@@ -15,7 +15,7 @@ use std::ffi::c_void;
 /// Functions of every map builder.
 pub(super) static TABLE: rumbo_map_builder_table = rumbo_map_builder_table {
     size: size_of::<rumbo_map_builder_table>(),
-    destroy: Some(destroy),
+    destroy: Some(destroy::<Side>),
     start: Some(start),
     insert: Some(insert),
 };
@@ -28,11 +28,6 @@ struct Side {
 /// An instance as the host keeps it.
 pub(super) fn this(builder: Box<dyn MapBuilder>) -> *mut c_void {
     Box::into_raw(Box::new(Side { builder, seen: Vec::new() })).cast()
-}
-
-unsafe extern "C" fn destroy(this: *mut c_void) {
-    // SAFETY: called once, on what `this` gave.
-    let _ = caught(|| drop(unsafe { Box::from_raw(this.cast::<Side>()) }));
 }
 
 fn status(result: Result<(), MapError>, error: &mut rumbo_error) -> i32 {
@@ -93,9 +88,7 @@ impl Side {
     ) -> Result<Result<(), MapError>, BadView> {
         // SAFETY: for all blocks below: as promised by the caller.
         unsafe { observations_from(seen, &mut self.seen)? };
-        let estimate =
-            unsafe { read(estimate) }.ok_or_else(|| BadView("the estimate points nowhere".to_owned()))?;
-        let estimate = unsafe { estimate_from(&estimate)? };
+        let estimate = unsafe { estimate_from(estimate)? };
         let input = MapInput { seen: Seen::sorted(&self.seen), estimate: &estimate };
         Ok(self.builder.insert(&mut call.cx(), &input, map))
     }

@@ -3,11 +3,11 @@
 
 use super::super::abi::*;
 use super::super::convert::{
-    BadView, Hold, grid_from, map_from, obstacles_from, points_of, pose2_from, read, robot_from,
+    BadView, map_from, obstacles_from, optional_grid_from, points_of, pose2_from, read, robot_from,
 };
 use super::super::status::Crosses as _;
 use super::call::{Call, bad, flag_from};
-use super::guard::{caught, guarded};
+use super::guard::{destroy, guarded};
 use crate::frames::Point2;
 use crate::messages::{Goal, Path};
 use crate::robot::Robot;
@@ -16,8 +16,11 @@ use std::ffi::c_void;
 use std::sync::Arc;
 
 /// Functions of every planner.
-pub(super) static TABLE: rumbo_planner_table =
-    rumbo_planner_table { size: size_of::<rumbo_planner_table>(), destroy: Some(destroy), plan: Some(plan) };
+pub(super) static TABLE: rumbo_planner_table = rumbo_planner_table {
+    size: size_of::<rumbo_planner_table>(),
+    destroy: Some(destroy::<Side>),
+    plan: Some(plan),
+};
 
 struct Side {
     planner: Box<dyn Planner>,
@@ -30,11 +33,6 @@ pub(super) fn this(planner: Box<dyn Planner>, robot: Arc<Robot>) -> *mut c_void 
     Box::into_raw(Box::new(Side { planner, robot, points: Vec::new() })).cast()
 }
 
-unsafe extern "C" fn destroy(this: *mut c_void) {
-    // SAFETY: called once, on what `this` gave.
-    let _ = caught(|| drop(unsafe { Box::from_raw(this.cast::<Side>()) }));
-}
-
 /// # Safety
 /// `request` is the one of the present call.
 unsafe fn request_from(
@@ -45,10 +43,7 @@ unsafe fn request_from(
     // SAFETY: for all blocks below: as promised by the caller.
     let mut obstacles = Vec::new();
     unsafe { obstacles_from(view.obstacles, view.n_obstacles, &mut obstacles)? };
-    let grid = match view.grid.is_null() {
-        true => None,
-        false => Some(unsafe { grid_from(view.grid, Hold::Lent)? }),
-    };
+    let grid = unsafe { optional_grid_from(view.grid)? };
     Ok(PlanRequest {
         stamp: call.now(),
         map: unsafe { map_from(view.map)? },

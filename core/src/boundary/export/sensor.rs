@@ -5,7 +5,7 @@ use super::super::abi::*;
 use super::super::convert::{SeenLoan, observations_from};
 use super::super::status::Crosses as _;
 use super::call::{Call, bad};
-use super::guard::{caught, guarded};
+use super::guard::{destroy, guarded};
 use super::host;
 use super::world::{HostLender, HostWorld};
 use crate::messages::{Data, Observation, Observations, Seen};
@@ -15,7 +15,7 @@ use std::ffi::c_void;
 /// Functions of every sensor.
 pub(super) static TABLE: rumbo_sensor_table = rumbo_sensor_table {
     size: size_of::<rumbo_sensor_table>(),
-    destroy: Some(destroy),
+    destroy: Some(destroy::<Side>),
     poll: Some(poll),
     derive: Some(derive),
 };
@@ -38,11 +38,6 @@ pub(super) fn this(sensor: Box<dyn Sensor>) -> *mut c_void {
         loan: SeenLoan::default(),
     };
     Box::into_raw(Box::new(side)).cast()
-}
-
-unsafe extern "C" fn destroy(this: *mut c_void) {
-    // SAFETY: called once, on what `this` gave.
-    let _ = caught(|| drop(unsafe { Box::from_raw(this.cast::<Side>()) }));
 }
 
 unsafe extern "C" fn poll(

@@ -5,7 +5,7 @@ use super::super::abi::*;
 use super::super::convert::{EstimateLoan, observations_from, prior_from, read};
 use super::super::status::Crosses as _;
 use super::call::{Call, bad};
-use super::guard::{caught, guarded};
+use super::guard::{destroy, guarded};
 use super::localizer::write_estimate;
 use super::map_taken::with_map;
 use crate::messages::{Observation, Seen};
@@ -15,7 +15,7 @@ use std::ffi::c_void;
 /// Functions of every SLAM plugin.
 pub(super) static TABLE: rumbo_slam_table = rumbo_slam_table {
     size: size_of::<rumbo_slam_table>(),
-    destroy: Some(destroy),
+    destroy: Some(destroy::<Side>),
     start: Some(start),
     update: Some(update),
     save: Some(save),
@@ -30,11 +30,6 @@ struct Side {
 /// An instance as the host keeps it.
 pub(super) fn this(slam: Box<dyn Slam>) -> *mut c_void {
     Box::into_raw(Box::new(Side { slam, seen: Vec::new(), loan: EstimateLoan::default() })).cast()
-}
-
-unsafe extern "C" fn destroy(this: *mut c_void) {
-    // SAFETY: called once, on what `this` gave.
-    let _ = caught(|| drop(unsafe { Box::from_raw(this.cast::<Side>()) }));
 }
 
 unsafe extern "C" fn start(

@@ -3,7 +3,7 @@
 
 use super::super::abi::*;
 use super::super::convert::{
-    EstimateLoan, MapLoan, RobotLoan, SeenLoan, grid_of, obstacle_of, obstacles_from, points_of,
+    EstimateLoan, MapLoan, RobotLoan, SeenLoan, grid_of, obstacle_of, obstacles_from, pointer_to, points_of,
     rumbo_pose2_of, twist_from, twist_of,
 };
 use super::call::{Instance, Pushed, lend_cx};
@@ -62,8 +62,8 @@ impl Avoider for DynAvoider {
             estimate: &raw const estimate,
             seen: &raw const seen,
             map: &raw const map,
-            grid: grid.as_ref().map_or(std::ptr::null(), std::ptr::from_ref),
-            path: path.as_ref().map_or(std::ptr::null(), std::ptr::from_ref),
+            grid: pointer_to(&grid),
+            path: pointer_to(&path),
             path_number: input.path_number,
             arrival_radius_m: input.arrival_radius_m,
             n_obstacles: self.known.len(),

@@ -66,21 +66,10 @@ impl Instance {
         &mut self,
         function: impl FnOnce(*mut c_void, *mut rumbo_error) -> i32,
     ) -> Result<(), E> {
-        if let Some(before) = self.poisoned.get() {
-            return Err(E::other(format!("{} is not called again: it {before}", self.who)));
-        }
+        self.refuse_poisoned()?;
         self.error.clear();
-        match function(self.this, &raw mut *self.error) {
-            RUMBO_OK => Ok(()),
-            RUMBO_PANIC => {
-                let what = format!("panicked: {}", self.error.words(RUMBO_PANIC));
-                Err(self.poison(what))
-            }
-            code => {
-                name_the_silent(&mut self.error, code, &self.who);
-                Err(E::from_code(code, &self.error))
-            }
-        }
+        let code = function(self.this, &raw mut *self.error);
+        settle(code, &mut self.error, &self.who, &self.poisoned)
     }
 
     /// As [`call`](Self::call) for a function that only looks, of an instance that others may look at too.
@@ -88,24 +77,17 @@ impl Instance {
         &self,
         function: impl FnOnce(*const c_void, *mut rumbo_error) -> i32,
     ) -> Result<(), E> {
-        if let Some(before) = self.poisoned.get() {
-            return Err(E::other(format!("{} is not called again: it {before}", self.who)));
-        }
+        self.refuse_poisoned()?;
         let mut error = rumbo_error::none();
-        match function(self.this.cast_const(), &raw mut error) {
-            RUMBO_OK => Ok(()),
-            RUMBO_PANIC => Err(self.poison(format!("panicked: {}", error.words(RUMBO_PANIC)))),
-            code => {
-                name_the_silent(&mut error, code, &self.who);
-                Err(E::from_code(code, &error))
-            }
-        }
+        let code = function(self.this.cast_const(), &raw mut error);
+        settle(code, &mut error, &self.who, &self.poisoned)
     }
 
-    fn poison<E: SaysOther>(&self, what: String) -> E {
-        let error = E::other(format!("{} {what}", self.who));
-        let _ = self.poisoned.set(what);
-        error
+    fn refuse_poisoned<E: SaysOther>(&self) -> Result<(), E> {
+        match self.poisoned.get() {
+            Some(before) => Err(E::other(format!("{} is not called again: it {before}", self.who))),
+            None => Ok(()),
+        }
     }
 
     /// An answer that does not hold together.
@@ -114,10 +96,27 @@ impl Instance {
     }
 }
 
-/// Says who failed where the plugin says nothing.
-fn name_the_silent(error: &mut rumbo_error, code: i32, who: &Who) {
-    if error.message().is_empty() {
-        error.say(&format!("{who} failed with status {code} and said nothing"));
+/// What a status and its words mean; a panic poisons the instance.
+fn settle<E: Crosses + SaysOther>(
+    code: i32,
+    error: &mut rumbo_error,
+    who: &Who,
+    poisoned: &OnceLock<String>,
+) -> Result<(), E> {
+    match code {
+        RUMBO_OK => Ok(()),
+        RUMBO_PANIC => {
+            let what = format!("panicked: {}", error.words(RUMBO_PANIC));
+            let told = E::other(format!("{who} {what}"));
+            let _ = poisoned.set(what);
+            Err(told)
+        }
+        code => {
+            if error.message().is_empty() {
+                error.say(&format!("{who} failed with status {code} and said nothing"));
+            }
+            Err(E::from_code(code, error))
+        }
     }
 }
 

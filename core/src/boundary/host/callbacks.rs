@@ -175,7 +175,7 @@ unsafe extern "C" fn random_normal(rng: *mut rumbo_rng) -> f64 {
     unsafe { stream(rng) }.map_or(0.0, |rng| rand_distr::StandardNormal.sample(rng))
 }
 
-/// Hands a flag over: a reference that `release_flag` takes back.
+/// Hands a flag over; the plugin that keeps it retains it.
 pub(super) fn lend_flag(flag: &Arc<GiveUp>) -> *const rumbo_give_up {
     Arc::as_ptr(flag).cast()
 }

@@ -94,6 +94,6 @@ impl AnswerSheet {
         estimate.n_candidates = self.candidates.items.len();
         estimate.candidates = self.candidates.items.as_ptr();
         // SAFETY: the candidates are our own list.
-        unsafe { estimate_from(&estimate) }.map_err(|bad| E::other(instance.nonsense(bad)))
+        unsafe { estimate_from(&raw const estimate) }.map_err(|bad| E::other(instance.nonsense(bad)))
     }
 }

@@ -2,7 +2,9 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{MapLoan, RobotLoan, grid_of, obstacle_of, path_from, point_of, rumbo_pose2_of};
+use super::super::convert::{
+    MapLoan, RobotLoan, grid_of, obstacle_of, path_from, point_of, pointer_to, rumbo_pose2_of,
+};
 use super::call::{Instance, Pushed, lend_call};
 use super::callbacks::lend_flag;
 use crate::messages::Path;
@@ -48,7 +50,7 @@ impl Planner for DynPlanner {
         let view = rumbo_plan_request {
             size: size_of::<rumbo_plan_request>(),
             map: &raw const map,
-            grid: grid.as_ref().map_or(std::ptr::null(), std::ptr::from_ref),
+            grid: pointer_to(&grid),
             start: rumbo_pose2_of(&request.start),
             goal: point_of(&request.goal.position),
             goal_yaw_rad: request.goal.yaw_rad.unwrap_or(f64::NAN),
