@@ -1,10 +1,13 @@
 //! `rumbo compare`: algorithms x worlds x seeds, with intervals.
 
+mod by_world;
 mod csv;
 mod design;
+mod draw;
 mod figures;
 mod fingerprint;
 mod free_space;
+mod ground;
 mod journal;
 mod page;
 mod pareto;
@@ -13,6 +16,7 @@ mod progress;
 mod range;
 mod result;
 mod statistics;
+mod study;
 mod summary;
 mod swap;
 mod sweep;
@@ -23,12 +27,13 @@ use crate::exit::{Exit, Failure};
 use crate::load::{self, Ready};
 use crate::run::on_interrupt;
 use crate::terminal::{Terminal, make_folder_of, write_file};
-use design::{Design, effective};
+use design::{Design, Unready, effective};
 use journal::{Journal, JournalError};
 use progress::Progress;
 use rumbo_core::registry::Registry;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
+use study::Study;
 use summary::{Results, Summary, summarize};
 use worlds::Place;
 
@@ -38,7 +43,9 @@ use worlds::Place;
 /// FOLDER/runs.jsonl: after an interrupt the same command goes on where it was.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The pipeline that the alternatives are made of
+    /// The pipeline that the alternatives are made of, or a study file that names it
+    ///
+    /// A study has everything that is said here, and what each seed draws, in a file: see docs/compare.md.
     file: PathBuf,
     /// Plugins that take a part's place in turn, for example --swap planner=dp,a_star
     #[arg(long = "swap", value_name = "SECTION=PLUGIN,PLUGIN", value_parser = swap::parse)]
@@ -48,9 +55,9 @@ pub struct Args {
     /// A file NAME.mission.toml beside a world gives start and waypoints; else both are drawn from the seed.
     #[arg(long, value_name = "GLOB")]
     worlds: Vec<String>,
-    /// Seeds for each alternative in each world
-    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    seeds: u32,
+    /// Seeds for each alternative in each world; 20 when absent
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    seeds: Option<u32>,
     /// The first seed; the others follow
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(..=1 << 62))]
     first_seed: u64,
@@ -77,7 +84,8 @@ pub struct Args {
 /// Does it.
 pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let registry = load::registry()?;
-    let design = design(args, &registry, terminal)?;
+    let study = Study::read(&args.file).map_err(Failure::Usage)?.unwrap_or_default();
+    let design = design(args, &study, &registry, terminal)?;
     let fingerprint = design.fingerprint(&registry);
     let folder = args.folder();
     let path = folder.join("runs.jsonl");
@@ -100,7 +108,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     if args.json {
         terminal.json(&serde_json::json!({
             "design": fingerprint, "n_runs": n_runs, "n_done": results.len(), "folder": folder.display().to_string(),
-            "alternatives": summary.alternatives, "differences": summary.differences,
+            "alternatives": summary.alternatives, "worlds": summary.by_world, "differences": summary.differences,
             "objectives": summary.objectives,
         }))?;
     }
@@ -131,24 +139,30 @@ fn failure(error: JournalError) -> Failure {
     }
 }
 
-fn design(args: &Args, registry: &Registry, terminal: &Terminal) -> Result<Design, Failure> {
-    let base = load::pipeline(&args.file, &args.sets, args.json, terminal)?;
+fn design(args: &Args, study: &Study, registry: &Registry, terminal: &Terminal) -> Result<Design, Failure> {
+    let file = if study.is_none() { &args.file } else { &study.pipeline };
+    let sets: Vec<String> = study.set.iter().chain(&args.sets).cloned().collect();
+    let swaps: Vec<swap::Swap> = study.swaps().chain(args.swaps.iter().cloned()).collect();
+    let base = load::pipeline(file, &sets, args.json, terminal)?;
     let whole = effective(&base);
-    swap::check(&args.swaps, &whole, (&args.file, &args.sets), registry).map_err(Failure::Usage)?;
+    swap::check(&swaps, &whole, (file, &sets), registry).map_err(Failure::Usage)?;
+    let n_seeds = args.seeds.or(study.seeds).unwrap_or(20);
     let design = Design {
-        base: args.file.clone(),
-        sets: args.sets.clone(),
-        ranges: args.ranges.clone(),
-        alternatives: swap::alternatives(&args.swaps),
-        places: places(args, &base, &whole).map_err(Failure::Usage)?,
-        seeds: (args.first_seed..).take(args.seeds as usize).collect(),
+        base: file.clone(),
+        ranges: study.ranges().chain(args.ranges.iter().cloned()).collect(),
+        alternatives: swap::alternatives(&swaps, &study.alternative),
+        places: places(args, study, &base, &whole).map_err(Failure::Usage)?,
+        seeds: (args.first_seed..).take(n_seeds as usize).collect(),
+        show: study.show.clone(),
+        sets,
     };
     // One alternative may not fit together: that is a result. If none does, the command is at fault.
     let mut first = None;
     for run in design.runs().iter().take(design.alternatives.len()) {
         match design.load(run, registry) {
             Ok(_) => return Ok(design),
-            Err(refused) => {
+            Err(Unready::NotDrawn(_)) => return Ok(design),
+            Err(Unready::Refused(refused)) => {
                 first.get_or_insert(refused);
             }
         }
@@ -159,24 +173,27 @@ fn design(args: &Args, registry: &Registry, terminal: &Terminal) -> Result<Desig
     ))
 }
 
-fn places(args: &Args, base: &Ready, whole: &serde_json::Value) -> Result<Vec<Place>, String> {
+fn places(args: &Args, study: &Study, base: &Ready, whole: &serde_json::Value) -> Result<Vec<Place>, String> {
+    let patterns = if args.worlds.is_empty() { &study.worlds } else { &args.worlds };
     let radius_m = base.pipeline.robot.hull().outer_radius_m();
     let n_missions = args.missions.unwrap_or(1);
-    if !args.worlds.is_empty() {
+    if !patterns.is_empty() {
         if let Some(file) = fixed_map(whole) {
             return Err(format!(
                 "the pipeline's map_builder reads {file} in every world; leave out `file`, so that it takes the \
                  world's own map"
             ));
         }
-        return worlds::find(&args.worlds, radius_m, n_missions);
+        let places = worlds::find(patterns, radius_m, n_missions)?;
+        return Ok(worlds::in_scenes(&places, study));
     }
-    if args.missions.is_none() {
+    if args.missions.is_none() && study.is_none() {
         return Ok(vec![Place::own()]);
     }
     let map = whole.pointer("/world/map").and_then(|map| map.as_str());
     let map = map.ok_or("--missions draws places on a map, and the pipeline's world has none")?;
-    Ok(vec![Place::own_world(&base.pipeline.folder.join(map), radius_m, n_missions)?])
+    let place = Place::own_world(&base.pipeline.folder.join(map), radius_m, n_missions)?;
+    Ok(worlds::in_scenes(&[place], study))
 }
 
 /// The file that a map builder names.

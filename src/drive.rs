@@ -68,6 +68,7 @@ pub fn drive_engine(
 /// Drives the pipeline to its end and keeps nothing but the figures.
 pub fn drive_for_figures(pipeline: &Pipeline, interrupt: &AtomicBool) -> Result<Outcome, EngineError> {
     let mut engine = Engine::build(pipeline)?;
+    engine.count();
     let mut metrics = Metrics::new();
     let clock = Instant::now();
     let end = engine.run(&mut [&mut metrics], interrupt);

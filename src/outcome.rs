@@ -1,6 +1,6 @@
 //! The figures of one run, as `--json` prints them and saved runs keep them.
 
-use rumbo_core::engine::{EndReason, Metrics, Part, RunEnd};
+use rumbo_core::engine::{Counted, EndReason, Metrics, Part, RunEnd};
 use rumbo_core::map::{Grid, Map};
 use rumbo_core::pipeline::Pipeline;
 use serde::{Deserialize, Serialize};
@@ -28,6 +28,12 @@ pub struct Outcome {
     pub goal_error_m: Option<f64>,
     /// Last estimate to the truth, meters.
     pub final_error_m: Option<f64>,
+    /// Last estimate to the truth along the map's x axis, meters, without sign.
+    #[serde(default)]
+    pub final_error_x_m: Option<f64>,
+    /// Last estimate to the truth along the map's y axis, meters, without sign.
+    #[serde(default)]
+    pub final_error_y_m: Option<f64>,
     /// Last estimate to the truth, degrees.
     pub final_heading_error_deg: Option<f64>,
     /// Root mean square of estimate to truth, meters.
@@ -58,6 +64,9 @@ pub struct Outcome {
     pub map_free_m2: Option<f64>,
     /// Steps of the engine.
     pub steps: u64,
+    /// What stages counted, where that was asked for.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub counters: BTreeMap<String, Counted>,
     /// Time in the world over time on the wall.
     pub realtime_factor: Option<f64>,
     /// `cpu_<part>_s`: time on the wall that each part of the steps used, seconds.
@@ -84,6 +93,8 @@ impl Outcome {
             path_m: summary.path_m,
             goal_error_m: summary.goal_error_m,
             final_error_m: summary.final_error_m,
+            final_error_x_m: summary.final_error_x_m,
+            final_error_y_m: summary.final_error_y_m,
             final_heading_error_deg: summary.final_heading_error_deg,
             rms_error_m: summary.rms_error_m,
             p95_error_m: summary.p95_error_m,
@@ -97,6 +108,7 @@ impl Outcome {
             tracked_share: Some(summary.tracked_share),
             map_free_m2: map.grid.as_ref().map(Grid::free_area_m2),
             steps: summary.steps,
+            counters: summary.counters.into_iter().map(|(name, of)| (name.to_owned(), of)).collect(),
             realtime_factor: (wall > Duration::ZERO).then(|| summary.time_s / wall.as_secs_f64()),
             cpu,
         }

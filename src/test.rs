@@ -1,6 +1,6 @@
 //! `rumbo test`: runs the tests that pipelines carry.
 
-mod expect;
+pub mod expect;
 mod find;
 
 use crate::exit::{Exit, Failure};

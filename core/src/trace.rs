@@ -27,6 +27,7 @@ pub enum Drawing {
 #[derive(Debug, Default)]
 pub struct Trace {
     watched: bool,
+    counting: bool,
     drawings: RefCell<Vec<Drawing>>,
     counters: RefCell<Vec<(&'static str, f64)>>,
 }
@@ -39,12 +40,27 @@ impl Trace {
 
     /// A trace that keeps everything until it is taken.
     pub fn watched() -> Trace {
-        Trace { watched: true, ..Trace::default() }
+        Trace { watched: true, counting: true, ..Trace::default() }
+    }
+
+    /// A trace that keeps counters and no drawings.
+    pub fn counting() -> Trace {
+        Trace { counting: true, ..Trace::default() }
+    }
+
+    /// A trace like this one, with nothing in it.
+    pub fn fresh(&self) -> Trace {
+        Trace { watched: self.watched, counting: self.counting, ..Trace::default() }
     }
 
     /// Somebody looks: worth preparing drawings.
     pub fn is_watched(&self) -> bool {
         self.watched
+    }
+
+    /// Counters are kept.
+    pub fn is_counting(&self) -> bool {
+        self.counting
     }
 
     /// Keeps what `drawing` makes, if somebody looks.
@@ -56,7 +72,7 @@ impl Trace {
 
     /// Keeps a number, if somebody looks.
     pub fn count(&self, name: &'static str, value: f64) {
-        if self.watched {
+        if self.counting {
             self.counters.borrow_mut().push((name, value));
         }
     }
@@ -80,5 +96,9 @@ mod tests {
         let (drawings, counters) = trace.take();
         assert_eq!((drawings.len(), counters), (1, vec![("n", 3.0)]));
         assert!(trace.take().0.is_empty());
+        let trace = Trace::counting();
+        trace.draw(|| panic!("called"));
+        trace.count("n", 4.0);
+        assert_eq!(trace.take(), (vec![], vec![("n", 4.0)]));
     }
 }

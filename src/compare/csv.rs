@@ -16,7 +16,7 @@ pub fn results(design: &Design, results: &Results) -> String {
         "end,success,start_x_m,start_y_m,start_yaw_deg,goal_x_m,goal_y_m,straight_m,duration_s,driven_m";
     head.extend(fixed.split(',').map(str::to_owned));
     head.extend(FIGURES.iter().map(|figure| figure.key.to_owned()));
-    let rest = "final_error_m,goal_error_m,replans,guard_interventions,stage_failures,steps,detail";
+    let rest = "final_error_m,goal_error_m,guard_interventions,stage_failures,steps,detail";
     head.extend(rest.split(',').map(str::to_owned));
     let mut text = line(head);
     for (run, result) in results {
@@ -41,7 +41,6 @@ fn of_outcome(result: &RunResult) -> Vec<String> {
     cells.push(number(outcome.and_then(|o| o.final_error_m)));
     cells.push(number(outcome.and_then(|o| o.goal_error_m)));
     let whole = |value: Option<u64>| value.map_or(String::new(), |n| n.to_string());
-    cells.push(whole(outcome.map(|o| o.replans.into())));
     cells.push(whole(outcome.map(|o| o.guard_interventions.into())));
     cells.push(whole(outcome.map(|o| o.stage_failures.into())));
     cells.push(whole(outcome.map(|o| o.steps)));
@@ -72,15 +71,17 @@ pub fn wall_s(result: &RunResult) -> Option<f64> {
 
 fn key_names(design: &Design) -> Vec<String> {
     let first = design.alternatives.first();
+    let named = first.into_iter().filter(|a| a.named.is_some()).map(|_| "alternative".to_owned());
     let sections = first.into_iter().flat_map(|a| a.choices.iter().map(|(section, _)| section.clone()));
-    sections.chain(["world", "seed", "mission"].map(str::to_owned)).collect()
+    named.chain(sections).chain(["world", "seed", "mission"].map(str::to_owned)).collect()
 }
 
 fn keys(design: &Design, run: &super::design::Run) -> Vec<String> {
     let alternative = design.alternatives.get(run.alternative);
+    let named = alternative.and_then(|a| a.named.as_ref()).map(|named| named.name.clone());
     let plugins = alternative.into_iter().flat_map(|a| a.choices.iter().map(|(_, plugin)| plugin.clone()));
     let rest = [design.place_name(run).to_owned(), run.seed.to_string(), run.mission.to_string()];
-    plugins.chain(rest).collect()
+    named.into_iter().chain(plugins).chain(rest).collect()
 }
 
 fn number(value: Option<f64>) -> String {

@@ -1,10 +1,12 @@
 //! The full factorial design: every alternative in every world, with every seed and mission.
 
+use super::draw;
 use super::fingerprint::Fingerprint;
 use super::range::SetRange;
 use super::swap::Alternative;
 use super::worlds::{Missions, Place};
 use crate::load::{self, Ready, Refused};
+use rumbo_core::pipeline::Expect;
 use rumbo_core::registry::Registry;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -24,6 +26,16 @@ pub struct Design {
     pub places: Vec<Place>,
     /// With which seeds.
     pub seeds: Vec<u64>,
+    /// What is shown of each world by itself.
+    pub show: Vec<String>,
+}
+
+/// Why a run cannot begin.
+pub enum Unready {
+    /// The pipeline has faults.
+    Refused(Box<Refused>),
+    /// The world has no room for what the study wants.
+    NotDrawn(String),
 }
 
 /// One run of the design.
@@ -72,12 +84,14 @@ impl Design {
     }
 
     /// Reads the pipeline as this run has it.
-    pub fn load(&self, run: &Run, registry: &Registry) -> Result<Ready, Refused> {
+    pub fn load(&self, run: &Run, registry: &Registry) -> Result<Ready, Unready> {
         let mut sets = self.sets_but_chance(run);
-        sets.extend(self.ranges.iter().map(|range| range.set(run.seed)));
-        sets.extend(self.mission_sets(run));
+        let place = self.places.get(run.place);
+        let of_scene = place.into_iter().flat_map(|place| &place.by_study.ranges);
+        sets.extend(self.ranges.iter().chain(of_scene).map(|range| range.set(run.seed)));
+        sets.extend(self.mission_sets(run).map_err(Unready::NotDrawn)?);
         sets.push(format!("seed={}", run.seed));
-        load::load(&self.base, &sets, registry)
+        load::load(&self.base, &sets, registry).map_err(|refused| Unready::Refused(Box::new(refused)))
     }
 
     /// A number in hexadecimal digits that changes when the same seed could give another result: of the effective
@@ -89,6 +103,7 @@ impl Design {
         for (place, with) in self.places.iter().enumerate() {
             print.text(&with.name);
             print.text(&with.fingerprint.to_string());
+            print.text(&format!("{:?}", with.by_study));
             for alternative in 0..self.alternatives.len() {
                 let run = Run { alternative, place, seed: 0, mission: 0 };
                 print.text(&self.alternative_name(&run));
@@ -106,19 +121,28 @@ impl Design {
         format!("{:016x}", print.value())
     }
 
+    /// What counts as success of a run, where a study says so.
+    pub fn expect(&self, run: &Run) -> Option<&Expect> {
+        self.places.get(run.place)?.by_study.expect.as_ref()
+    }
+
     fn sets_but_chance(&self, run: &Run) -> Vec<String> {
         let mut sets = self.sets.clone();
         sets.extend(self.alternatives.get(run.alternative).into_iter().flat_map(Alternative::sets));
         let file = self.places.get(run.place).and_then(|place| place.file.as_ref());
         sets.extend(file.map(|file| format!("world.map={:?}", file.display().to_string())));
+        let of_place = self.places.get(run.place).into_iter().flat_map(|place| &place.by_study.sets);
+        sets.extend(of_place.cloned());
         sets
     }
 
-    fn mission_sets(&self, run: &Run) -> Vec<String> {
-        match self.places.get(run.place).map(|place| &place.missions) {
-            None | Some(Missions::Own) => Vec::new(),
-            Some(Missions::Given(sets)) => sets.clone(),
-            Some(Missions::Drawn(space, _)) => {
+    fn mission_sets(&self, run: &Run) -> Result<Vec<String>, String> {
+        let Some(place) = self.places.get(run.place) else { return Ok(Vec::new()) };
+        Ok(match (&place.missions, &place.by_study.rules) {
+            (Missions::Own, _) => Vec::new(),
+            (Missions::Given(sets), _) => sets.clone(),
+            (Missions::Drawn(space, _), Some(rules)) => draw::draw(space, rules, run.seed, run.mission)?,
+            (Missions::Drawn(space, _), None) => {
                 let ends = space.draw(run.seed, run.mission);
                 let ([x, y], [goal_x, goal_y], yaw) = (ends.start, ends.goal, ends.yaw_deg);
                 vec![
@@ -126,7 +150,7 @@ impl Design {
                     format!("mission.waypoints=[{{ x_m = {goal_x:?}, y_m = {goal_y:?} }}]"),
                 ]
             }
-        }
+        })
     }
 }
 
@@ -145,9 +169,10 @@ mod tests {
             base: PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("pipelines/office.toml"),
             sets: vec!["mission.time_limit_s=9.0".into()],
             ranges: vec![range::parse("world.slip.speed=0.0..0.04").unwrap()],
-            alternatives: swap::alternatives(&[swap::parse("planner=dp,a_star").unwrap()]),
+            alternatives: swap::alternatives(&[swap::parse("planner=dp,a_star").unwrap()], &[]),
             places: vec![Place::own()],
             seeds: (1..=n_seeds).collect(),
+            show: Vec::new(),
         }
     }
 

@@ -157,15 +157,24 @@ mod tests {
             base: "p.toml".into(),
             sets: Vec::new(),
             ranges: Vec::new(),
-            alternatives: swap::alternatives(&[swap::parse("planner=dp,a_star").unwrap()]),
+            alternatives: swap::alternatives(&[swap::parse("planner=dp,a_star").unwrap()], &[]),
             places: vec![Place::own()],
             seeds: vec![1],
+            show: Vec::new(),
         }
     }
 
     fn result(detail: &str) -> RunResult {
         let detail = Some(detail.to_owned());
-        RunResult { end: "panicked".into(), detail, start: None, goal: None, straight_m: None, outcome: None }
+        RunResult {
+            end: "panicked".into(),
+            detail,
+            start: None,
+            goal: None,
+            straight_m: None,
+            outcome: None,
+            as_expected: None,
+        }
     }
 
     fn scratch(name: &str) -> PathBuf {

@@ -1,5 +1,6 @@
 //! `report.html`: one page that names nothing outside itself.
 
+use super::by_world::{Line, Spread};
 use super::design::Design;
 use super::figures::FIGURES;
 use super::pareto::OBJECTIVES_IN_WORDS;
@@ -32,6 +33,9 @@ pub fn html(design: &Design, fingerprint: &str, results: &Results, summary: &Sum
     plots(&mut body, design, results, summary);
     body.push_str("<h2>Figures</h2>\n");
     figures(&mut body, &summary.alternatives);
+    for (world, lines) in &summary.by_world {
+        by_world(&mut body, world, lines, &summary.alternatives);
+    }
     if !summary.differences.is_empty() {
         body.push_str("<h2>Paired differences</h2>\n");
         differences(&mut body, summary);
@@ -107,6 +111,21 @@ fn figures(body: &mut String, standings: &[Standing]) {
         let cell = |s: &Standing| shown(s.cpu_s.get(part.name()), |v| format!("{:.1}", v * 1e3));
         let name = format!("CPU {}, ms a run", part.name().replace('_', " "));
         row(body, "td", &name, standings.iter().map(cell));
+    }
+    body.push_str("</tbody></table></div>\n");
+}
+
+fn by_world(body: &mut String, world: &str, lines: &[Line], standings: &[Standing]) {
+    let _ = writeln!(body, "<h3>{}</h3>", escape(world));
+    body.push_str("<div class=\"wide\"><table><thead>\n");
+    row(body, "th", "", (0..standings.len()).map(letter));
+    body.push_str("</thead><tbody>\n");
+    row(body, "td", "success, %", standings.iter().map(|s| success(s.success_by_world.get(world).copied())));
+    for line in lines {
+        let mean = |cell: &Option<Spread>| cell.map_or("–".into(), |cell| cell.mean_in_words());
+        let spread = |cell: &Option<Spread>| cell.map_or("–".into(), |cell| cell.spread_in_words());
+        row(body, "td", &escape(&line.title), line.cells.iter().map(mean));
+        row(body, "td", "… median / 95 % / worst", line.cells.iter().map(spread));
     }
     body.push_str("</tbody></table></div>\n");
 }

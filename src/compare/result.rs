@@ -1,10 +1,12 @@
 //! What one run gives, also one that never drove.
 
-use super::design::{Design, Run, effective};
+use super::design::{Design, Run, Unready, effective};
 use crate::drive::drive_for_figures;
 use crate::load::{Ready, Refused};
 use crate::outcome::Outcome;
+use crate::test::expect::failures;
 use rumbo_core::engine::EndReason;
+use rumbo_core::pipeline::Expect;
 use rumbo_core::registry::Registry;
 use serde::{Deserialize, Serialize};
 use std::any::Any;
@@ -26,12 +28,16 @@ pub struct RunResult {
     pub straight_m: Option<f64>,
     /// The figures of a run that drove.
     pub outcome: Option<Outcome>,
+    /// Whether it met what the study expects; absent where there is no such expectation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub as_expected: Option<bool>,
 }
 
 impl RunResult {
     /// It did what it was for.
     pub fn is_success(&self) -> bool {
-        self.outcome.as_ref().is_some_and(Outcome::is_success)
+        let outcome = self.outcome.as_ref();
+        outcome.is_some_and(|outcome| self.as_expected.unwrap_or_else(|| outcome.is_success()))
     }
 
     /// Somebody asked to stop: this is no result.
@@ -41,15 +47,24 @@ impl RunResult {
 
     fn without_drive(end: &str, detail: String) -> RunResult {
         let end = end.to_owned();
-        RunResult { end, detail: Some(detail), start: None, goal: None, straight_m: None, outcome: None }
+        RunResult {
+            end,
+            detail: Some(detail),
+            start: None,
+            goal: None,
+            straight_m: None,
+            outcome: None,
+            as_expected: None,
+        }
     }
 }
 
 /// Does one run; none when it was interrupted.
 pub fn work(design: &Design, run: &Run, registry: &Registry, interrupt: &AtomicBool) -> Option<RunResult> {
     let drive = || match design.load(run, registry) {
-        Ok(ready) => driven(&ready, interrupt),
-        Err(refused) => RunResult::without_drive("refused", first_message(&refused)),
+        Ok(ready) => driven(&ready, design.expect(run), interrupt),
+        Err(Unready::Refused(refused)) => RunResult::without_drive("refused", first_message(&refused)),
+        Err(Unready::NotDrawn(message)) => RunResult::without_drive("not_drawn", message),
     };
     let result = caught(drive);
     (!result.is_interrupted()).then_some(result)
@@ -66,7 +81,7 @@ fn said(payload: &(dyn Any + Send)) -> String {
     text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".into())
 }
 
-fn driven(ready: &Ready, interrupt: &AtomicBool) -> RunResult {
+fn driven(ready: &Ready, expect: Option<&Expect>, interrupt: &AtomicBool) -> RunResult {
     let outcome = match drive_for_figures(&ready.pipeline, interrupt) {
         Ok(outcome) => outcome,
         Err(error) => return RunResult::without_drive("not_built", error.to_string()),
@@ -87,6 +102,7 @@ fn driven(ready: &Ready, interrupt: &AtomicBool) -> RunResult {
         start,
         goal: ready.pipeline.mission.waypoints.last().map(|waypoint| [waypoint.x_m, waypoint.y_m]),
         straight_m: (start.is_some() && straight_m > 0.0).then_some(straight_m),
+        as_expected: expect.map(|expect| failures(expect, &outcome).is_empty()),
         outcome: Some(outcome),
     }
 }

@@ -1,5 +1,6 @@
 //! From runs to alternatives: intervals, paired differences, and the Pareto set.
 
+use super::by_world::{Line, lines};
 use super::design::{Design, Run};
 use super::figures::FIGURES;
 use super::pareto::{OBJECTIVES, mark};
@@ -19,6 +20,8 @@ pub struct Summary {
     pub alternatives: Vec<Standing>,
     /// The second minus the first, run by run in the same world, mission and seed.
     pub differences: Vec<Difference>,
+    /// What a study shows of each world by itself.
+    pub by_world: BTreeMap<String, Vec<Line>>,
     /// What the Pareto set is meant for.
     pub objectives: Vec<&'static str>,
 }
@@ -101,7 +104,10 @@ pub fn summarize(design: &Design, results: &Results) -> Summary {
             differences.push(difference((name(idx), name(jdx)), from, to));
         }
     }
-    Summary { alternatives, differences, objectives: OBJECTIVES.to_vec() }
+    let shown = design.places.iter().enumerate().filter(|_| !design.show.is_empty());
+    let by_world = shown.map(|(idx, place)| (place.name.clone(), lines(&design.show, idx, &groups)));
+    let by_world = by_world.collect();
+    Summary { alternatives, differences, by_world, objectives: OBJECTIVES.to_vec() }
 }
 
 /// Settings that every alternative completed, but for those that completed none.
@@ -192,6 +198,7 @@ mod tests {
             goal: None,
             straight_m: Some(2.0),
             outcome: Some(outcome),
+            as_expected: None,
         }
     }
 
@@ -201,9 +208,10 @@ mod tests {
             base: "p.toml".into(),
             sets: Vec::new(),
             ranges: Vec::new(),
-            alternatives: swap::alternatives(&[swap::parse("planner=dp,a_star").unwrap()]),
+            alternatives: swap::alternatives(&[swap::parse("planner=dp,a_star").unwrap()], &[]),
             places: vec![Place::own()],
             seeds: vec![1, 2, 3, 4],
+            show: Vec::new(),
         };
         let times =
             [[(10.0, true), (12.0, true)], [(100.0, true), (104.0, true)], [(1.0, false), (9.0, true)]];

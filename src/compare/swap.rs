@@ -1,5 +1,6 @@
 //! `--swap planner=dp,a_star`: the alternatives that are compared.
 
+use super::study::Named;
 use crate::load::did_you_mean;
 use rumbo_core::document::FaultCode;
 use rumbo_core::pipeline::Loaded;
@@ -21,22 +22,24 @@ pub struct Swap {
 pub struct Alternative {
     /// Section and plugin, in the order of the swaps.
     pub choices: Vec<(String, String)>,
+    /// Its name in a study, and what it changes besides.
+    pub named: Option<Named>,
 }
 
 impl Alternative {
     /// `planner=dp localizer=odometry`, or `as it is`.
     pub fn name(&self) -> String {
-        if self.choices.is_empty() {
-            return "as it is".to_owned();
-        }
-        let words: Vec<String> =
-            self.choices.iter().map(|(section, plugin)| format!("{section}={plugin}")).collect();
-        words.join(" ")
+        let name = self.named.iter().map(|named| named.name.clone());
+        let choices = self.choices.iter().map(|(section, plugin)| format!("{section}={plugin}"));
+        let words: Vec<String> = name.chain(choices).collect();
+        if words.is_empty() { "as it is".to_owned() } else { words.join(" ") }
     }
 
     /// As arguments of `--set`.
     pub fn sets(&self) -> Vec<String> {
-        self.choices.iter().map(|(section, plugin)| format!("{section}.plugin={plugin:?}")).collect()
+        let plugins = self.choices.iter().map(|(section, plugin)| format!("{section}.plugin={plugin:?}"));
+        let others = self.named.iter().flat_map(|named| named.set.iter().cloned());
+        plugins.chain(others).collect()
     }
 }
 
@@ -57,9 +60,13 @@ pub fn parse(text: &str) -> Result<Swap, String> {
     Ok(Swap { section, plugins })
 }
 
-/// Every combination, the last swap changing fastest.
-pub fn alternatives(swaps: &[Swap]) -> Vec<Alternative> {
-    let mut all = vec![Alternative::default()];
+/// Every combination, the last swap changing fastest; with each of the named ones, if there are any.
+pub fn alternatives(swaps: &[Swap], named: &[Named]) -> Vec<Alternative> {
+    let with_name = |named: &Named| Alternative { named: Some(named.clone()), choices: Vec::new() };
+    let mut all: Vec<Alternative> = named.iter().map(with_name).collect();
+    if all.is_empty() {
+        all.push(Alternative::default());
+    }
     for swap in swaps {
         let with = |alternative: &Alternative, plugin: &String| {
             let mut longer = alternative.clone();
@@ -132,7 +139,7 @@ mod tests {
     fn swaps_multiply_and_the_last_one_changes_fastest() {
         let swaps =
             [parse("planner=dp, a_star").unwrap(), parse("localizer=odometry,particle_filter").unwrap()];
-        let names: Vec<String> = alternatives(&swaps).iter().map(Alternative::name).collect();
+        let names: Vec<String> = alternatives(&swaps, &[]).iter().map(Alternative::name).collect();
         assert_eq!(
             names,
             [
@@ -142,7 +149,7 @@ mod tests {
                 "planner=a_star localizer=particle_filter"
             ]
         );
-        assert_eq!(alternatives(&[])[0].name(), "as it is");
+        assert_eq!(alternatives(&[], &[])[0].name(), "as it is");
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The summary on the terminal: figures downwards, alternatives across.
 
+use super::by_world::Spread;
 use super::figures::FIGURES;
 use super::pareto::OBJECTIVES_IN_WORDS;
 use super::statistics::Interval;
@@ -27,6 +28,25 @@ pub fn table(summary: &Summary, terminal: &Terminal) -> String {
     for (letters, group) in names.chunks(N_ACROSS).zip(summary.alternatives.chunks(N_ACROSS)) {
         text.push('\n');
         rows(&mut text, letters, group);
+    }
+    for (world, lines) in &summary.by_world {
+        for (nth, letters) in names.chunks(N_ACROSS).enumerate() {
+            text.push('\n');
+            row(&mut text, world, letters.iter().cloned());
+            let standings = || summary.alternatives.iter().skip(nth * N_ACROSS).take(N_ACROSS);
+            row(
+                &mut text,
+                "success, %",
+                standings().map(|s| success(s.success_by_world.get(world).copied())),
+            );
+            for line in lines {
+                let cells = || line.cells.iter().skip(nth * N_ACROSS).take(N_ACROSS);
+                let mean = |cell: &Option<Spread>| cell.map_or("-".into(), |cell| cell.mean_in_words());
+                let spread = |cell: &Option<Spread>| cell.map_or("-".into(), |cell| cell.spread_in_words());
+                row(&mut text, &line.title, cells().map(mean));
+                row(&mut text, "  median / 95 % / worst", cells().map(spread));
+            }
+        }
     }
     let against_first = summary.differences.iter().take(summary.alternatives.len().saturating_sub(1));
     let changes: Vec<&Difference> = against_first.collect();

@@ -1,8 +1,11 @@
 //! `--worlds 'GLOB'`: the places and the missions in them.
 
+use super::draw::Rules;
 use super::fingerprint::Fingerprint;
 use super::free_space::FreeSpace;
-use rumbo_core::pipeline::Mission;
+use super::range::SetRange;
+use super::study::{Scene, Study, parsed};
+use rumbo_core::pipeline::{Expect, Mission};
 use rumbo_kit::world_file::load_world;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
@@ -18,6 +21,21 @@ pub struct Place {
     pub missions: Missions,
     /// Of everything that is read from files.
     pub fingerprint: u64,
+    /// What a study says of it.
+    pub by_study: ByStudy,
+}
+
+/// What a study adds to a place.
+#[derive(Debug, Clone, Default)]
+pub struct ByStudy {
+    /// What each seed draws.
+    pub rules: Option<Rules>,
+    /// As for `--set`.
+    pub sets: Vec<String>,
+    /// As for `--set-range`.
+    pub ranges: Vec<SetRange>,
+    /// What counts as success.
+    pub expect: Option<Expect>,
 }
 
 /// Where missions come from.
@@ -44,7 +62,13 @@ impl Missions {
 impl Place {
     /// The pipeline's own world and mission.
     pub fn own() -> Place {
-        Place { name: "its own".to_owned(), file: None, missions: Missions::Own, fingerprint: 0 }
+        Place {
+            name: "its own".to_owned(),
+            file: None,
+            missions: Missions::Own,
+            fingerprint: 0,
+            by_study: ByStudy::default(),
+        }
     }
 
     /// The pipeline's own world with drawn missions.
@@ -59,7 +83,8 @@ impl Place {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let scene = load_world(file).map_err(|error| error.to_string())?;
         let mut print = Fingerprint::default();
-        for path in std::iter::once(file).chain(scene.map.as_deref()) {
+        let maps = [scene.map.as_deref(), scene.robot_map.as_deref()];
+        for path in std::iter::once(file).chain(maps.into_iter().flatten()) {
             print.file(path)?;
         }
         let beside = file.with_file_name(format!("{name}.mission.toml"));
@@ -73,8 +98,33 @@ impl Place {
             Missions::Drawn(space, n_missions)
         };
         let file = std::path::absolute(file).map_err(|error| format!("{}: {error}", file.display()))?;
-        Ok(Place { name, file: Some(file), missions, fingerprint: print.value() })
+        let (file, fingerprint) = (Some(file), print.value());
+        Ok(Place { name, file, missions, fingerprint, by_study: ByStudy::default() })
     }
+}
+
+/// The places as a study has them: each in every scene.
+pub fn in_scenes(places: &[Place], study: &Study) -> Vec<Place> {
+    let scenes: Vec<_> = match study.scene.as_slice() {
+        [] => vec![None],
+        scenes => scenes.iter().map(Some).collect(),
+    };
+    let in_scene = |(place, scene): (&Place, Option<&Scene>)| {
+        let here = study.world.get(&place.name);
+        let rules = study.rules(&place.name, scene);
+        let sets =
+            here.into_iter().flat_map(|here| &here.set).chain(scene.into_iter().flat_map(|it| &it.set));
+        let by_study = ByStudy {
+            rules: (rules != Rules::default()).then_some(rules),
+            sets: sets.cloned().collect(),
+            ranges: scene.into_iter().flat_map(|scene| parsed(&scene.set_range)).collect(),
+            expect: scene.and_then(|scene| scene.success.clone()).or_else(|| study.success.clone()),
+        };
+        let name =
+            scene.map_or_else(|| place.name.clone(), |scene| format!("{}, {}", place.name, scene.name));
+        Place { name, by_study, ..place.clone() }
+    };
+    places.iter().flat_map(|place| scenes.iter().map(move |scene| (place, *scene))).map(in_scene).collect()
 }
 
 /// The worlds that match, sorted by their path.

@@ -20,6 +20,7 @@ pub fn failures(expect: &Expect, outcome: &Outcome) -> Vec<String> {
     let at_most = [
         ("goal_error_m", outcome.goal_error_m, expect.goal_error_m),
         ("final_error_m", outcome.final_error_m, expect.final_error_m),
+        ("final_heading_error_deg", outcome.final_heading_error_deg, expect.final_heading_error_deg),
         ("rms_error_m", outcome.rms_error_m, expect.rms_error_m),
         ("p95_error_m", outcome.p95_error_m, expect.p95_error_m),
         ("map_free_m2", outcome.map_free_m2, expect.map_free_at_most_m2),
@@ -75,6 +76,7 @@ mod tests {
             reason: Some("arrived".into()),
             goal_error_m: Some(0.05),
             final_error_m: Some(0.022),
+            final_heading_error_deg: Some(3.0),
             rms_error_m: Some(0.022),
             p95_error_m: Some(0.023),
             map_free_at_least_m2: Some(11.7),
@@ -95,6 +97,7 @@ mod tests {
             ("`unreachable`", Expect { reason: Some("unreachable".into()), ..Expect::default() }),
             ("goal_error_m", Expect { goal_error_m: Some(0.04), ..Expect::default() }),
             ("final_error_m", Expect { final_error_m: Some(0.02), ..Expect::default() }),
+            ("final_heading_error_deg", Expect { final_heading_error_deg: Some(1e-9), ..Expect::default() }),
             ("rms_error_m", Expect { rms_error_m: Some(0.02), ..Expect::default() }),
             ("p95_error_m", Expect { p95_error_m: Some(0.02), ..Expect::default() }),
             ("at least 12", Expect { map_free_at_least_m2: Some(12.0), ..Expect::default() }),

@@ -7,7 +7,8 @@ use super::run::EndReason;
 use super::timing::{Part, StageTimes};
 use crate::frames::{Point2, Pose2, flatten, wrap_angle};
 use crate::messages::{Data, Observation, SensorId, Status};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The figures of a run. Errors are of the estimate against the truth, and absent where nobody knows the truth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,6 +27,10 @@ pub struct Summary {
     pub goal_error_m: Option<f64>,
     /// Last estimate to the truth, meters.
     pub final_error_m: Option<f64>,
+    /// Last estimate to the truth along the map's x axis, meters, without sign.
+    pub final_error_x_m: Option<f64>,
+    /// Last estimate to the truth along the map's y axis, meters, without sign.
+    pub final_error_y_m: Option<f64>,
     /// Last estimate to the truth, degrees.
     pub final_heading_error_deg: Option<f64>,
     /// Root mean square of estimate to truth, meters.
@@ -50,6 +55,27 @@ pub struct Summary {
     pub tracked_share: f64,
     /// Steps of the engine.
     pub steps: u64,
+    /// What stages counted, if the engine was told to keep it ([`Engine::count`](super::Engine::count)).
+    pub counters: BTreeMap<&'static str, Counted>,
+}
+
+/// All values of one counter.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Counted {
+    /// How many there were.
+    pub n: u64,
+    /// Their mean.
+    pub mean: f64,
+    /// The last one.
+    pub last: f64,
+}
+
+impl Counted {
+    fn add(&mut self, value: f64) {
+        self.n += 1;
+        self.mean += (value - self.mean) / self.n as f64;
+        self.last = value;
+    }
 }
 
 /// Gathers a [`Summary`].
@@ -64,6 +90,7 @@ pub struct Metrics {
     n_tracked: u64,
     errors_m: Vec<f32>,
     squared_heading_errors_rad2: f64,
+    final_error_m: Option<[f64; 2]>,
     final_heading_error_deg: Option<f64>,
     goal: Option<Point2>,
     goal_error_m: Option<f64>,
@@ -73,6 +100,7 @@ pub struct Metrics {
     guard_interventions: u32,
     stage_failures: u32,
     times: StageTimes,
+    counters: BTreeMap<&'static str, Counted>,
 }
 
 impl Metrics {
@@ -112,6 +140,8 @@ impl Metrics {
             path_m: self.path_m,
             goal_error_m: self.goal_error_m,
             final_error_m: self.errors_m.last().map(|e| f64::from(*e)),
+            final_error_x_m: self.final_error_m.map(|[x, _]| x),
+            final_error_y_m: self.final_error_m.map(|[_, y]| y),
             final_heading_error_deg: self.final_heading_error_deg,
             rms_error_m: (!sorted.is_empty()).then(|| mean_square.sqrt()),
             p95_error_m: sorted.get(rank.saturating_sub(1)).map(|e| f64::from(*e)),
@@ -124,6 +154,7 @@ impl Metrics {
             stage_failures: self.stage_failures,
             tracked_share: self.n_tracked as f64 / self.steps.max(1) as f64,
             steps: self.steps,
+            counters: self.counters.clone(),
         }
     }
 
@@ -168,7 +199,9 @@ impl Metrics {
         let Some(truth) = view.truth else { return };
         let true_pose = flatten(&truth.map_from_base);
         if !matches!(view.state, State::NoMap | State::Lost | State::Localizing) {
-            let error_m = (view.map_from_base.translation.vector - true_pose.translation.vector).norm();
+            let error = view.map_from_base.translation.vector - true_pose.translation.vector;
+            let error_m = error.norm();
+            self.final_error_m = Some([error.x.abs(), error.y.abs()]);
             let turn = wrap_angle(view.map_from_base.rotation.angle() - true_pose.rotation.angle());
             self.errors_m.push(error_m as f32);
             self.squared_heading_errors_rad2 += turn.powi(2);
@@ -196,6 +229,9 @@ impl Observer for Metrics {
         self.times = *view.times;
         self.follow(view);
         self.judge(view);
+        for (name, value) in view.counters.iter().filter(|(_, value)| value.is_finite()) {
+            self.counters.entry(name).or_default().add(*value);
+        }
         for event in view.events {
             match event.kind {
                 EventKind::PlanRequested { replans } if replans > 0 => self.replans += 1,

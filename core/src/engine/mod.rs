@@ -36,7 +36,7 @@ pub use build::EngineError;
 pub use check::WaypointFault;
 pub use events::{Event, EventKind, Intervention};
 pub use inbox::Inbox;
-pub use metrics::{Metrics, Summary};
+pub use metrics::{Counted, Metrics, Summary};
 pub use navigator::Outcome;
 pub use observer::{Observer, StepView};
 pub use order::{Order, State};

@@ -28,7 +28,7 @@ pub(super) struct PlannerSeat {
 struct Planned {
     planner: Box<dyn Planner>,
     result: Result<Path, PlanError>,
-    drawings: Vec<Drawing>,
+    seen: (Vec<Drawing>, Vec<(&'static str, f64)>),
 }
 
 struct Running {
@@ -48,8 +48,8 @@ pub(super) struct Situation<'a> {
     pub map_from_base: Pose2,
     /// The map.
     pub map: &'a Map,
-    /// Keep debug drawings.
-    pub watched: bool,
+    /// What a planner's trace is like.
+    pub trace: &'a Trace,
 }
 
 /// All planning of a run.
@@ -66,6 +66,8 @@ pub(super) struct Planning {
     pub grid: Option<Grid>,
     /// Debug drawings of the last plan.
     pub drawings: Vec<Drawing>,
+    /// Counters of the last plan.
+    pub counters: Vec<(&'static str, f64)>,
     running: Option<Running>,
     /// How long a planner on a thread of its own is waited for.
     pub limits: StepLimits,
@@ -87,6 +89,7 @@ impl Planning {
             robot,
             grid: None,
             drawings: Vec::new(),
+            counters: Vec::new(),
             running: None,
             limits: StepLimits::default(),
             at_work,
@@ -146,7 +149,7 @@ impl Planning {
             robot: self.robot.clone(),
             obstacles: nav.memory.obstacles().to_vec(),
             give_up: Default::default(),
-            trace: if at.watched { Trace::watched() } else { Trace::unwatched() },
+            trace: at.trace.fresh(),
         };
         let is_beside = seat.background.is_threaded();
         if !is_beside {
@@ -155,7 +158,7 @@ impl Planning {
         let job = seat.background.run(at.now, move |give_up| {
             request.give_up = give_up.clone();
             let result = planner.plan(&request);
-            Planned { planner, result, drawings: request.trace.take().0 }
+            Planned { planner, result, seen: request.trace.take() }
         });
         self.running = Some(Running { job, goal, by_fallback, asked: at.now, is_beside });
     }
@@ -182,7 +185,7 @@ impl Planning {
         };
         let (goal, by_fallback) = (running.goal, running.by_fallback);
         self.running = None;
-        self.drawings = planned.drawings;
+        (self.drawings, self.counters) = planned.seen;
         let seat = if by_fallback { &mut self.fallback } else { &mut self.main };
         if let Some(seat) = seat {
             seat.planner = Some(planned.planner);

@@ -115,8 +115,9 @@ impl Engine {
         }
         self.insert();
         self.forget();
-        if self.trace.is_watched() {
+        if self.trace.is_counting() {
             (self.stage_drawings, self.counters) = self.trace.take();
+            self.counters.append(&mut self.planning.counters);
         }
         self.step += 1;
         Stepped::Went

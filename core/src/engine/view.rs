@@ -57,6 +57,13 @@ impl Engine {
         self.trace = Trace::watched();
     }
 
+    /// From now on stages keep counters for observers.
+    pub fn count(&mut self) {
+        if !self.trace.is_counting() {
+            self.trace = Trace::counting();
+        }
+    }
+
     /// The step as observers see it.
     pub fn view(&mut self) -> StepView<'_> {
         let map_from_base = self.map_from_base();

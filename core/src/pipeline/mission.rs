@@ -127,6 +127,9 @@ pub struct Expect {
     /// Distance from the last estimate to the truth at the most, meters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub final_error_m: Option<f64>,
+    /// Angle from the last estimate's heading to the true one at the most, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub final_heading_error_deg: Option<f64>,
     /// Root mean square of the distance from estimate to truth at the most, meters.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_error_m: Option<f64>,

@@ -8,9 +8,11 @@ mod fault;
 mod parse;
 mod raster;
 mod section;
+mod things;
 
 pub use fault::{WorldFault, WorldFileError};
 pub use raster::{draw_mapped, mapped_outlines, raster_map, segment_cells};
+pub use things::Things;
 
 /// What a wall or box is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -139,6 +141,8 @@ pub struct WorldScene {
     pub name: String,
     /// Background map (a map_server YAML file), resolved from the world file's folder.
     pub map: Option<PathBuf>,
+    /// The map that robots are given of this place (a map_server YAML file), where it is another than what is mapped here.
+    pub robot_map: Option<PathBuf>,
     /// Height of the background map's occupied cells, meters.
     pub map_height_m: f64,
     /// Left, bottom, right and top edge, meters; what the map of a world without a background covers.

@@ -140,7 +140,7 @@ pub(super) fn lend_call(now: Time, trace: &Trace) -> rumbo_call {
         size: size_of::<rumbo_call>(),
         now_ns: now.0,
         trace: std::ptr::from_ref(trace).cast_mut().cast(),
-        is_watched: trace.is_watched().into(),
+        is_watched: trace.is_counting().into(),
         reserved: 0,
     }
 }

@@ -1,6 +1,6 @@
 //! The keys of a world file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use toml::de::DeTable;
 
@@ -30,16 +30,33 @@ pub(super) fn scene(text: &str, folder: &Path) -> (WorldScene, Vec<WorldFault>) 
     (scene, found)
 }
 
+/// A map beside the world file, which must be there.
+fn map_file(top: &mut Section<'_, '_, '_>, key: &'static str, folder: &Path) -> Option<PathBuf> {
+    let file = folder.join(top.text(key)?);
+    if !file.is_file() {
+        let message =
+            format!("no file {}; expected a map_server YAML file beside the world file", file.display());
+        top.fault(key, message);
+    }
+    Some(file)
+}
+
+/// Things without a world around them.
+pub(super) fn things(text: &str) -> (WorldScene, Vec<WorldFault>) {
+    let (document, _) = DeTable::parse_recoverable(text);
+    let (mut scene, mut faults) = (WorldScene::default(), Faults::new(text));
+    let mut top = Section::new(document.get_ref(), 0..0, String::new(), &mut faults);
+    read_things(&mut top, DEFAULT_WALL_HEIGHT_M, &mut scene);
+    top.finish();
+    (scene, faults.found)
+}
+
 fn read_top(top: &mut Section<'_, '_, '_>, folder: &Path, scene: &mut WorldScene) {
     scene.name = top.text("name").unwrap_or_default();
     let wall_height_m = top.number("wall_height_m", Must::BePositive).unwrap_or(DEFAULT_WALL_HEIGHT_M);
     scene.map_height_m = top.number("map_height_m", Must::BePositive).unwrap_or(wall_height_m);
-    scene.map = top.text("map").map(|map| folder.join(map));
-    if let Some(missing) = scene.map.as_ref().filter(|map| !map.is_file()) {
-        let message =
-            format!("no file {}; expected a map_server YAML file beside the world file", missing.display());
-        top.fault("map", message);
-    }
+    scene.map = map_file(top, "map", folder);
+    scene.robot_map = map_file(top, "robot_map", folder);
     scene.bounds = top.numbers("bounds", false);
     if let Some([left, bottom, right, top_edge]) = scene.bounds.filter(|b| b[0] >= b[2] || b[1] >= b[3]) {
         let found = format!("[{left}, {bottom}, {right}, {top_edge}]");
@@ -48,14 +65,18 @@ fn read_top(top: &mut Section<'_, '_, '_>, folder: &Path, scene: &mut WorldScene
             format!("is {found}, expected [left, bottom, right, top] with left < right, bottom < top"),
         );
     }
+    read_things(top, wall_height_m, scene);
+    if scene.map.is_none() && scene.walls.is_empty() && scene.boxes.is_empty() && scene.bounds.is_none() {
+        top.missing("map", "a map, or at least one [[wall]] or [[box]], or bounds");
+    }
+}
+
+fn read_things(top: &mut Section<'_, '_, '_>, wall_height_m: f64, scene: &mut WorldScene) {
     top.tables("wall", |section| scene.walls.extend(read_wall(section, wall_height_m)));
     top.tables("box", |section| scene.boxes.extend(read_box(section, wall_height_m)));
     top.tables("person", |section| scene.persons.extend(read_person(section)));
     top.tables("door", |section| scene.doors.extend(read_door(section, wall_height_m)));
     top.tables("mark", |section| scene.marks.extend(read_mark(section)));
-    if scene.map.is_none() && scene.walls.is_empty() && scene.boxes.is_empty() && scene.bounds.is_none() {
-        top.missing("map", "a map, or at least one [[wall]] or [[box]], or bounds");
-    }
 }
 
 /// `from` and `to` of a wall or door, which must differ.

@@ -22,7 +22,7 @@ impl Localizer for MonteCarlo {
 
     fn update(&mut self, cx: &mut Cx<'_>, seen: Seen<'_>, map: &Map) -> Result<Estimate, LocalizeError> {
         let estimate = MonteCarlo::update(self, cx.now, seen, map)?;
-        if cx.trace.is_watched() {
+        if cx.trace.is_counting() {
             show(self, cx);
         }
         Ok(estimate)

@@ -22,6 +22,8 @@ pub fn load_static(
     with_lines: bool,
 ) -> Result<(Grid, Option<Vec<Line>>), String> {
     let scene = load_world(file).map_err(|error| error.to_string())?;
+    // Who maps a place by himself gets no more than that map shows.
+    let scene = scene.robot_map.clone().map_or(scene, WorldScene::of_map);
     let picture = match &scene.map {
         Some(map) => Some(load_map(map, params.max_cells).map_err(|error| error.to_string())?),
         None => None,

@@ -244,7 +244,7 @@ mod tests {
         assert!((x - 0.8).abs() < 3e-4, "{x}");
         assert_eq!(body.contact_episodes, 1);
         body.drive(&mut place, Twist::new(-1.0, 0.0), 0.5);
-        place.set_time(5.0);
+        place.set_time(5.0, &Pose2::identity());
         body.surroundings_changed();
         assert_eq!(body.drive(&mut place, Twist::ZERO, 0.1), 1.0);
         assert_eq!(body.contact_episodes, 2, "the person stands at x = 0, the robot at 0.3");

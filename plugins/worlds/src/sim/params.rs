@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
+use rumbo_kit::world_file::Things;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +23,16 @@ pub struct SimParams {
     #[schemars(schema_with = "slip_schema")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slip: Option<Box<dyn Slip>>,
+    /// Things that stand in the world besides, with the keys of a world file, such as
+    /// `{ box = [{ center = [2.0, 1.0], size = [0.5, 0.5] }] }`; they are on no map.
+    #[schemars(schema_with = "things_schema")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub add: Option<Things>,
+    /// Names of boxes, doors and people of the world file that are not there; maps show them as before.
+    pub without: Vec<String>,
+    /// Somebody who walks to and fro in front of the robot all the time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub companion: Option<Companion>,
     /// A map picture with more cells is refused.
     pub max_cells: u64,
 }
@@ -38,15 +49,59 @@ pub struct Start {
     pub yaw_deg: f64,
 }
 
+/// Somebody who keeps in front of the robot and crosses its way to and fro, also through walls: the moving object of
+/// Hernández Alamilla (2005), section 8.5.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Companion {
+    /// So far in front of the robot's middle, meters.
+    pub ahead_m: f64,
+    /// So far to both sides, meters.
+    pub sway_m: f64,
+    /// How fast to the sides, m/s.
+    pub speed_m_s: f64,
+    /// Radius, meters.
+    pub radius_m: f64,
+}
+
+impl Default for Companion {
+    fn default() -> Self {
+        Companion { ahead_m: 1.5, sway_m: 1.0, speed_m_s: 0.5, radius_m: 0.20 }
+    }
+}
+
+impl Companion {
+    /// To the robot's left, meters; a function of time alone.
+    pub fn left_m(&self, time_s: f64) -> f64 {
+        if self.sway_m <= 0.0 {
+            return 0.0;
+        }
+        let phase_m = (self.speed_m_s * time_s).rem_euclid(4.0 * self.sway_m);
+        (2.0 * self.sway_m - phase_m).abs() - self.sway_m
+    }
+}
+
 impl Default for SimParams {
     fn default() -> Self {
         Self {
             map: None,
             start: Start::default(),
             slip: None,
+            add: None,
+            without: Vec::new(),
+            companion: None,
             max_cells: rumbo_kit::map_file::DEFAULT_MAX_CELLS,
         }
     }
+}
+
+fn things_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let list = || schemars::json_schema!({ "type": "array", "items": { "type": "object" } });
+    schemars::json_schema!({
+        "type": ["object", "null"],
+        "properties": { "wall": list(), "box": list(), "door": list(), "person": list(), "mark": list() },
+        "additionalProperties": false
+    })
 }
 
 /// Slip models are an open family: their names and keys are known to the program that links them.
@@ -69,6 +124,18 @@ impl Params for SimParams {
             .collect();
         if self.max_cells == 0 {
             faults.push(BuildError::at("max_cells", "is 0, expected at least 1"));
+        }
+        for fault in self.add.iter().filter_map(|things| things.read().err()).flatten() {
+            faults.push(BuildError::at(format!("add.{}", fault.key), fault.message));
+        }
+        if let Some(companion) = &self.companion {
+            let Companion { ahead_m, sway_m, speed_m_s, radius_m } = *companion;
+            let numbers =
+                [("ahead_m", ahead_m), ("sway_m", sway_m), ("speed_m_s", speed_m_s), ("radius_m", radius_m)];
+            let bad = numbers.into_iter().filter(|(_, value)| !(value.is_finite() && *value >= 0.0));
+            faults.extend(bad.map(|(key, value)| {
+                BuildError::at(format!("companion.{key}"), format!("is {value}, expected 0 or more"))
+            }));
         }
         for (key, message) in self.slip.iter().flat_map(|slip| slip.faults()) {
             faults.push(BuildError::at(format!("slip.{key}"), message));

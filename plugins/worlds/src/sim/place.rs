@@ -5,6 +5,7 @@ use rumbo_kit::map_file::MapImage;
 use rumbo_kit::world_file::{Door, Material, Person, WorldMark, WorldScene};
 
 use super::lattice::Lattice;
+use super::params::Companion;
 use super::person;
 use super::solid::{Footprint, Point, Solid, Vector};
 
@@ -28,6 +29,8 @@ pub struct Place {
     pub lattice_from_map: Pose2,
     /// Identified marks.
     pub marks: Vec<WorldMark>,
+    /// Who walks in front of the robot.
+    pub companion: Option<Companion>,
     size: (usize, usize),
     walls: Vec<bool>,
     wall_height_m: f64,
@@ -46,6 +49,8 @@ struct Members {
     solids: Vec<u32>,
 }
 
+/// As tall as people are by default.
+const COMPANION_HEIGHT_M: f64 = 1.8;
 /// A world without a background map gets at most this many cells along its longer side.
 const MOST_CELLS: f64 = 400.0;
 const FINEST_CELL_M: f64 = 0.05;
@@ -113,6 +118,7 @@ impl Place {
             resolution_m,
             lattice_from_map,
             marks: scene.marks.clone(),
+            companion: None,
             size: (size[0], size[1]),
             walls: vec![false; if map.is_some() { size[0] * size[1] } else { 0 }],
             wall_height_m: scene.map_height_m,
@@ -137,7 +143,7 @@ impl Place {
                 place.in_cells(footprint, z_min_m, z_max_m, material)
             })
             .collect();
-        place.set_time(0.0);
+        place.set_time(0.0, &Pose2::identity());
         place
     }
 
@@ -166,8 +172,8 @@ impl Place {
         (self.lattice_from_map * point) / self.resolution_m
     }
 
-    /// Moves people and doors to where they are at a time.
-    pub fn set_time(&mut self, time_s: f64) {
+    /// Moves people and doors to where they are at a time, with the robot at `map_from_base`.
+    pub fn set_time(&mut self, time_s: f64, map_from_base: &Pose2) {
         let mut movers = std::mem::take(&mut self.movers);
         movers.clear();
         for door in self.doors.iter().filter(|door| door.is_closed(time_s)) {
@@ -179,6 +185,12 @@ impl Place {
                 let footprint = Footprint::Disc { center: self.lattice_from_map * center, radius: radius_m };
                 movers.push(self.in_cells(footprint, 0.0, person.height_m, Material::Opaque));
             }
+        }
+        if let Some(companion) = self.companion {
+            let place = map_from_base * Point::new(companion.ahead_m, companion.left_m(time_s));
+            let footprint =
+                Footprint::Disc { center: self.lattice_from_map * place, radius: companion.radius_m };
+            movers.push(self.in_cells(footprint, 0.0, COMPANION_HEIGHT_M, Material::Opaque));
         }
         self.movers = movers;
     }
@@ -195,7 +207,7 @@ impl Place {
 
     /// Whether nothing moves here.
     pub fn is_still(&self) -> bool {
-        self.persons.is_empty() && self.doors.is_empty()
+        self.persons.is_empty() && self.doors.is_empty() && self.companion.is_none()
     }
 
     /// Number of the lattice for a view, made at the first call.

@@ -10,7 +10,7 @@ use rumbo_core::stages::{
 };
 use rumbo_core::time::Time;
 use rumbo_kit::map_file::{MapImage, load_map};
-use rumbo_kit::world_file::{WorldScene, load_world};
+use rumbo_kit::world_file::{Things, WorldScene, load_world};
 
 use super::beams::{Fan, Ring};
 use super::params::{SimParams, Start};
@@ -43,10 +43,11 @@ impl Plugin<dyn World> for SimParams {
         }
         let at_map = |error: &dyn std::fmt::Display| BuildError::at("map", error.to_string());
         let path = self.map.as_ref().map(|map| context.resolve(map));
-        let scene = match &path {
+        let mut scene = match &path {
             Some(path) => load_world(path).map_err(|error| at_map(&error))?,
             None => WorldScene::default(),
         };
+        self.furnish(&mut scene)?;
         let image = scene
             .map
             .as_ref()
@@ -59,7 +60,8 @@ impl Plugin<dyn World> for SimParams {
             let help = "move what lies far from the map, or raise max_cells";
             return Err(BuildError::at("map", message).help(help));
         }
-        let place = Place::new(&scene, image.as_ref());
+        let mut place = Place::new(&scene, image.as_ref());
+        place.companion = self.companion;
         let Start { x_m, y_m, yaw_deg } = self.start;
         let start = pose2(x_m, y_m, yaw_deg.to_radians());
         if let Some(image) = &image {
@@ -76,6 +78,23 @@ impl Plugin<dyn World> for SimParams {
         }
         let (contacts_rad, marks) = (Vec::with_capacity(16), Marks::default());
         Ok(Box::new(SimWorld { simulation, start, map_file: path, contacts_rad, marks }))
+    }
+}
+
+impl SimParams {
+    /// What the pipeline takes from the world file and adds to it.
+    fn furnish(&self, scene: &mut WorldScene) -> Result<(), BuildError> {
+        for (idx, name) in self.without.iter().enumerate() {
+            if !scene.remove(name) {
+                let message = format!("is \"{name}\", and the world has no box, door or person of this name");
+                return Err(BuildError::at(format!("without[{idx}]"), message));
+            }
+        }
+        // Faults were told by `check`.
+        if let Some(Ok(things)) = self.add.as_ref().map(Things::read) {
+            scene.add(things);
+        }
+        Ok(())
     }
 }
 

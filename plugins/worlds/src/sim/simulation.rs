@@ -52,6 +52,7 @@ impl Simulation {
         slip: Option<Box<dyn Slip>>,
         rng: Rng,
     ) -> Simulation {
+        place.set_time(0.0, &map_from_base);
         let body = Body::new(robot, &mut place, map_from_base);
         let truth = Truth {
             map_from_base: lift(&map_from_base),
@@ -100,7 +101,7 @@ impl Simulation {
             }
         }
         if !self.place.is_still() {
-            self.place.set_time(end.as_secs());
+            self.place.set_time(end.as_secs(), &self.body.map_from_base);
             self.body.surroundings_changed();
         }
         let before = self.drive.twist;

@@ -61,6 +61,10 @@ pub struct GaussianSlip {
     pub drift_deg_m: f64,
     /// Constant part of unknown turning (uneven wheels), degrees per meter.
     pub bias_deg_m: f64,
+    /// Constant part of the speed's share: 0.05 when the floor gets 5 % more than the wheels roll.
+    pub bias_speed: f64,
+    /// Constant part of the turn's share.
+    pub bias_turn: f64,
 }
 
 #[typetag::serde(name = "gaussian")]
@@ -68,8 +72,8 @@ impl Slip for GaussianSlip {
     fn draw(&self, rng: &mut Rng) -> SlipDraw {
         let mut normal = || -> f64 { StandardNormal.sample(rng) };
         SlipDraw {
-            speed: 1.0 + self.speed * normal(),
-            turn: 1.0 + self.turn * normal(),
+            speed: 1.0 + self.bias_speed + self.speed * normal(),
+            turn: 1.0 + self.bias_turn + self.turn * normal(),
             drift_rad_per_m: (self.drift_deg_m * normal() + self.bias_deg_m).to_radians(),
         }
     }
@@ -81,9 +85,10 @@ impl Slip for GaussianSlip {
             .filter(|(_, value)| !(value.is_finite() && *value >= 0.0))
             .map(|(key, value)| (key, format!("is {value}, expected a finite number, 0 or more")))
             .collect();
-        if !self.bias_deg_m.is_finite() {
-            faults.push(("bias_deg_m", format!("is {}, expected a finite number", self.bias_deg_m)));
-        }
+        let biases =
+            [("bias_deg_m", self.bias_deg_m), ("bias_speed", self.bias_speed), ("bias_turn", self.bias_turn)];
+        let bad = biases.into_iter().filter(|(_, value)| !value.is_finite());
+        faults.extend(bad.map(|(key, value)| (key, format!("is {value}, expected a finite number"))));
         faults
     }
 
@@ -98,7 +103,14 @@ mod tests {
 
     #[test]
     fn draws_have_the_mean_and_deviation_asked_for() {
-        let slip = GaussianSlip { speed: 0.05, turn: 0.1, drift_deg_m: 2.0, bias_deg_m: 0.5 };
+        let slip = GaussianSlip {
+            speed: 0.05,
+            turn: 0.1,
+            drift_deg_m: 2.0,
+            bias_deg_m: 0.5,
+            bias_speed: 0.03,
+            bias_turn: -0.02,
+        };
         let mut rng = rumbo_core::rng::stream(3, "slip");
         let draws: Vec<SlipDraw> = (0..20_000).map(|_| slip.draw(&mut rng)).collect();
         let check = |pick: fn(&SlipDraw) -> f64, mean: f64, deviation: f64| {
@@ -113,8 +125,8 @@ mod tests {
                 variance.sqrt()
             );
         };
-        check(|draw| draw.speed, 1.0, 0.05);
-        check(|draw| draw.turn, 1.0, 0.1);
+        check(|draw| draw.speed, 1.03, 0.05);
+        check(|draw| draw.turn, 0.98, 0.1);
         check(|draw| draw.drift_rad_per_m.to_degrees(), 0.5, 2.0);
     }
 
@@ -123,7 +135,8 @@ mod tests {
         let slip: Box<dyn Slip> = toml::from_str("model = 'gaussian'\nspeed = 0.02").unwrap();
         assert!(slip.faults().is_empty());
         assert!(toml::from_str::<Box<dyn Slip>>("model = 'ice'").is_err());
-        let bad = GaussianSlip { speed: f64::NAN, turn: -1.0, drift_deg_m: 0.0, bias_deg_m: f64::INFINITY };
+        let bad =
+            GaussianSlip { speed: f64::NAN, turn: -1.0, bias_deg_m: f64::INFINITY, ..Default::default() };
         assert_eq!(bad.faults().len(), 3);
     }
 

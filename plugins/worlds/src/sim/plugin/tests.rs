@@ -1,6 +1,7 @@
 use rumbo_core::frames::Twist;
 use rumbo_core::registry::{Built, Registry, Stage};
 
+use super::super::params::Companion;
 use super::*;
 
 const WALLS: &str = r#"
@@ -154,4 +155,56 @@ fn a_start_beside_the_map_is_refused() {
     assert!(check_on_map(&image, pose2(1.5, 2.5, 0.0)).is_ok());
     let error = check_on_map(&image, pose2(2.5, 1.5, 0.0)).unwrap_err();
     assert!(error.message.contains("covers 1.00 m by 2.00 m from its corner at (1, 1)"), "{}", error.message);
+}
+
+/// The nearest range straight ahead of the robot, for a laser of 0.3 m height.
+fn ahead_m(world: &mut dyn World) -> f32 {
+    let base_from_sensor = Pose3::translation(0.0, 0.0, 0.3);
+    let probe = Probe::Beams {
+        base_from_sensor: &base_from_sensor,
+        first_bearing_rad: 0.0,
+        bearing_step_rad: 0.1,
+        n_beams: 1,
+        max_range_m: 20.0,
+    };
+    let Ok(Answer::Ranges(ranges)) = world.probe(&probe) else { panic!("no ranges") };
+    ranges[0]
+}
+
+#[test]
+fn a_pipeline_adds_things_to_the_world_and_takes_things_away() {
+    let named = "[[box]]\nname = 'desk'\ncenter = [3, 0]\nsize = [0.5, 0.5]\n";
+    let built = |text: &str| {
+        let with: SimParams = toml::from_str(text).unwrap();
+        let base = params("things", &format!("{WALLS}{named}"));
+        SimParams { map: base.map, ..with }.build(&BuildContext::bare("world"))
+    };
+    let ahead = |text: &str| ahead_m(built(text).unwrap().as_mut());
+    assert!((ahead("") - 2.75).abs() < 1e-5);
+    assert!((ahead("without = ['desk']") - 5.0).abs() < 1e-5);
+    let add = "add = { box = [{ center = [2, 0], size = [0.2, 0.2] }], person = [{ route = [[1, 0]] }] }";
+    assert!((ahead(add) - 0.75).abs() < 1e-5);
+    let error = built("without = ['desc']").err().unwrap();
+    assert!(error.path == "without[0]" && error.message.contains("desc"), "{error:?}");
+    let faulty: SimParams = toml::from_str("add = { box = [{ center = [2, 0] }], bocks = [] }").unwrap();
+    let paths: Vec<String> = faulty.check().into_iter().map(|fault| fault.path).collect();
+    assert_eq!(paths, ["add.box[0].size", "add.bocks"]);
+}
+
+#[test]
+fn a_companion_crosses_in_front_of_the_robot_wherever_it_drives() {
+    let companion = Companion::default();
+    for (time_s, left_m) in [(0.0, 1.0), (2.0, 0.0), (4.0, -1.0), (6.0, 0.0), (8.0, 1.0)] {
+        assert!((companion.left_m(time_s) - left_m).abs() < 1e-12, "at {time_s} s");
+    }
+    let with = SimParams { companion: Some(companion), ..params("companion", WALLS) };
+    let mut world = with.build(&BuildContext::bare("world")).unwrap();
+    assert!((ahead_m(world.as_mut()) - 5.0).abs() < 1e-5, "at its left end");
+    world.drive(&command(0.1, 0.0)).unwrap();
+    world.advance(Time::from_secs(2.0)).unwrap();
+    // In the middle: its disc of 0.2 m is met 1.5 m ahead, and it came along.
+    assert!((ahead_m(world.as_mut()) - 1.3).abs() < 2e-3);
+    let bad =
+        SimParams { companion: Some(Companion { sway_m: f64::NAN, ..companion }), ..SimParams::default() };
+    assert_eq!(bad.check()[0].path, "companion.sway_m");
 }
