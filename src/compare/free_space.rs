@@ -3,6 +3,7 @@
 use super::fingerprint::Fingerprint;
 use super::ground::Ground;
 use super::range::unit;
+use rumbo_core::frames::{Point2, Pose2, pose2};
 use rumbo_core::rng::{Rng, stream};
 use rumbo_kit::map_file::{DEFAULT_MAX_CELLS, MapImage, load_map};
 use rumbo_kit::world_file::{SolidBox, WorldScene, draw_mapped, raster_map};
@@ -42,7 +43,7 @@ impl FreeSpace {
         let mut all = scene.clone();
         all.walls.iter_mut().for_each(|wall| wall.mapped = true);
         all.boxes.iter_mut().for_each(|solid| solid.mapped = true);
-        let image = match &all.map {
+        let mut image = match &all.map {
             Some(map) => {
                 let mut image = load_map(map, DEFAULT_MAX_CELLS).map_err(|error| error.to_string())?;
                 draw_mapped(&all, &mut image);
@@ -51,6 +52,10 @@ impl FreeSpace {
             None => raster_map(&all, CELL_M, DEFAULT_MAX_CELLS)
                 .ok_or("the world is too large to draw a mission in it")?,
         };
+        if let Some(map) = &all.robot_map {
+            let known = load_map(map, DEFAULT_MAX_CELLS).map_err(|error| error.to_string())?;
+            close_unknown(&mut image, &known);
+        }
         FreeSpace::of_image(image, radius_m, scene.clone())
     }
 
@@ -131,6 +136,26 @@ impl FreeSpace {
     }
 }
 
+/// Where the robot's own map shows no free floor, no mission begins or ends.
+fn close_unknown(image: &mut MapImage, known: &MapImage) {
+    let cell_from_cell = map_from_cells(known).inverse() * map_from_cells(image);
+    let (width, steps) = (image.width, [known.resolution_m, image.resolution_m]);
+    for (idx, cell) in image.cells.iter_mut().enumerate() {
+        let middle = [idx % width, idx / width].map(|n| (n as f64 + 0.5) * steps[1]);
+        let [col, row] =
+            <[f64; 2]>::from((cell_from_cell * Point2::from(middle)).coords).map(|m| (m / steps[0]).floor());
+        let is_inside = (0.0..known.width as f64).contains(&col) && (0.0..known.height as f64).contains(&row);
+        let percent = is_inside.then(|| known.cells.get(row as usize * known.width + col as usize)).flatten();
+        if !percent.is_some_and(|percent| (0..=50).contains(percent)) {
+            *cell = 100;
+        }
+    }
+}
+
+fn map_from_cells(image: &MapImage) -> Pose2 {
+    pose2(image.origin[0], image.origin[1], image.origin[2])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -170,6 +195,27 @@ mod tests {
             assert_eq!(ends, space.draw(seed, 0));
             assert_ne!(ends, space.draw(seed, 1));
         }
+    }
+
+    #[test]
+    fn missions_stay_where_the_robots_own_map_shows_free_floor() {
+        let mut image = two_rooms(4);
+        // The robot knows the left room only, on a map of finer cells that is turned by a quarter.
+        let known = MapImage {
+            width: 80,
+            height: 80,
+            resolution_m: 0.05,
+            origin: [3.0, 2.0, std::f64::consts::FRAC_PI_2],
+            cells: vec![0; 80 * 80],
+        };
+        close_unknown(&mut image, &known);
+        let space = FreeSpace::of_image(image, 0.2, WorldScene::default()).unwrap();
+        assert!(
+            space.ground.middles.iter().all(|middle| middle[0] <= 2.5),
+            "{:?}",
+            space.ground.middles.last()
+        );
+        assert!(space.ground.middles.iter().any(|middle| middle[0] >= 2.4));
     }
 
     #[test]
