@@ -81,6 +81,8 @@ pub enum EventKind {
     TimedOut,
     /// The lost robot was found.
     Relocalized,
+    /// The relocalizer gave up: the robot is lost as before.
+    NotFound,
     /// The guard changed a command.
     Guard(Intervention),
     /// A stage failed; the robot stops.
@@ -169,6 +171,7 @@ impl fmt::Display for EventKind {
             EventKind::Unreachable { reason } => write!(f, "unreachable: {reason}"),
             EventKind::TimedOut => write!(f, "the goal took too long"),
             EventKind::Relocalized => write!(f, "the lost robot was found"),
+            EventKind::NotFound => write!(f, "the robot was not found"),
             EventKind::Guard(intervention) => write!(f, "guard: {intervention}"),
             EventKind::StageFailed { stage, error } => write!(f, "{stage} failed: {error}"),
             EventKind::Notice(text) => f.write_str(text),

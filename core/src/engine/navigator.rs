@@ -200,6 +200,12 @@ impl Navigator {
         self.path_number += 1;
     }
 
+    /// The relocalizer has no answer.
+    pub fn not_found(&mut self, now: Time, events: &mut Vec<Event>) {
+        events.push(Event { stamp: now, kind: EventKind::NotFound });
+        self.enter(now, State::Lost, events);
+    }
+
     /// The estimate's status changed what can be done. Returns goals that were given up because the robot is lost.
     pub fn on_status(&mut self, now: Time, status: Status, events: &mut Vec<Event>) -> Vec<Goal> {
         match (self.state, status) {

@@ -23,6 +23,19 @@ pub enum State {
     Navigating,
 }
 
+impl State {
+    /// The code of the source's appendix B, which other programs know.
+    pub fn code(self) -> u8 {
+        match self {
+            State::Waiting => 2,
+            State::Navigating => 3,
+            State::Localizing => 4,
+            State::NoMap => 5,
+            State::Lost => 6,
+        }
+    }
+}
+
 impl fmt::Display for State {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

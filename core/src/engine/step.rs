@@ -170,12 +170,18 @@ impl Engine {
 
     fn heed_estimate(&mut self) {
         let estimate = &self.localization.estimate;
+        let was_near = matches!(self.status, Status::Converging | Status::Ambiguous);
+        let gave_up = self.localization.relocalizer.is_some() && was_near && estimate.status == Status::Lost;
         if estimate.status != self.status {
             self.status = estimate.status;
             self.events.push(Event { stamp: self.now, kind: EventKind::Status(self.status) });
         }
         if self.navigator.state == State::Localizing {
             self.wish.take(estimate.wish);
+        }
+        if gave_up && self.navigator.state == State::Localizing {
+            self.wish.clear();
+            return self.navigator.not_found(self.now, &mut self.events);
         }
         let goals = self.navigator.on_status(self.now, self.status, &mut self.events);
         if !goals.is_empty() {

@@ -268,7 +268,7 @@ rumbo_core::register_sensor!(ShortestParams, "shortest", "the shortest beam");
 
 params!(
     /// Dead reckoning that writes down what it sees, and may lose itself.
-    ReckoningParams { scale: f64 = 1.0, lost_at_s: f64 = 1e9, fails: bool = false }
+    ReckoningParams { scale: f64 = 1.0, lost_at_s: f64 = 1e9, fails: bool = false, needs_grid: bool = false }
 );
 struct Reckoning {
     params: ReckoningParams,
@@ -278,7 +278,8 @@ struct Reckoning {
 }
 impl Plugin<dyn Localizer> for ReckoningParams {
     fn manifest(&self) -> Manifest {
-        Manifest { consumes: vec![vec![ObservationKind::Odometry]], ..Manifest::default() }
+        let needs_layers = if self.needs_grid { vec![Layer::Grid] } else { Vec::new() };
+        Manifest { needs_layers, consumes: vec![vec![ObservationKind::Odometry]], ..Manifest::default() }
     }
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Localizer>, BuildError> {
         let (params, name) = (self.clone(), context.name.clone());
@@ -321,16 +322,17 @@ impl Localizer for Reckoning {
 rumbo_core::register_localizer!(ReckoningParams, "reckoning", "dead reckoning");
 
 params!(
-    /// Finds the robot after a turn that it wishes for.
-    TurnerParams {}
+    /// Finds the robot after a turn that it wishes for, or gives up then.
+    TurnerParams { gives_up: bool = false }
 );
 struct Turner {
+    gives_up: bool,
     turned: f64,
     last: Pose2,
 }
 impl Plugin<dyn Localizer> for TurnerParams {
     fn build(&self, _: &BuildContext) -> Result<Box<dyn Localizer>, BuildError> {
-        Ok(Box::new(Turner { turned: 0.0, last: Pose2::identity() }))
+        Ok(Box::new(Turner { gives_up: self.gives_up, turned: 0.0, last: Pose2::identity() }))
     }
 }
 impl Localizer for Turner {
@@ -348,6 +350,8 @@ impl Localizer for Turner {
         if self.turned < 0.95 {
             estimate.status = Status::Converging;
             estimate.wish = Some(Wish::TurnBy(1.0));
+        } else if self.gives_up {
+            estimate.status = Status::Lost;
         }
         Ok(estimate)
     }

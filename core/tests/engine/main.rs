@@ -1,6 +1,7 @@
 //! The engine, driven by stages that are as simple as can be.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
+mod automaton;
 mod doubles;
 mod missions;
 mod seats;
