@@ -25,6 +25,7 @@ mod schedule;
 mod seat;
 mod seats;
 mod sense;
+mod sight;
 mod step;
 mod stop_zone;
 mod timing;

@@ -70,6 +70,11 @@ impl<'a> PlanGrid<'a> {
         kinds.extend(self.grid.cells.iter().map(kind));
     }
 
+    /// The grid itself.
+    pub fn cells(&self) -> &Grid {
+        self.grid
+    }
+
     /// Edge of a cell, meters.
     pub fn resolution_m(&self) -> f64 {
         self.grid.resolution_m()

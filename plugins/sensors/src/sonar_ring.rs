@@ -1,5 +1,6 @@
 //! `sonar_ring`: ultrasonic transducers around the hull.
 
+mod crosstalk;
 mod params;
 mod plugin;
 

@@ -5,6 +5,7 @@ use super::sightings::{Sighting, Sightings, Source};
 use rumbo_core::frames::{Point2, Pose2, wrap_angle};
 use rumbo_core::map::Grid;
 use rumbo_core::messages::Obstacle;
+use rumbo_core::time::Time;
 
 /// Numbers of the watch, radians and meters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,6 +16,8 @@ pub struct WatchTuning {
     pub watched_width_m: f64,
     /// Axes of the front sonars are within this of straight ahead.
     pub front_sonar_within_rad: f64,
+    /// A single echo stops the robot; else echoes are fused over time elsewhere.
+    pub heeds_single_echoes: bool,
     /// Readings that the map explains stop the robot only below the hard limits.
     pub ignores_expected: bool,
     /// A hit this near to an occupied cell, or an echo not shorter than the map's by more, is expected.
@@ -36,6 +39,8 @@ pub struct WatchTuning {
 /// Where the robot is, and what is known of its surroundings.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
+    /// The time it is.
+    pub now: Time,
     /// The robot in the odometer's frame.
     pub odom_from_base: Pose2,
     /// The robot in the map.
@@ -68,8 +73,11 @@ impl WatchTuning {
 
     /// Something that nobody expects is in the watched region, nearer than it may be.
     pub fn meets_unexpected(&self, sightings: &Sightings, scene: &Scene<'_>, stop_distance_m: f64) -> bool {
-        self.watched(sightings, scene)
-            .any(|ahead| ahead.reading_m < stop_distance_m && !self.is_expected(&ahead, scene))
+        self.watched(sightings, scene).any(|ahead| {
+            (self.heeds_single_echoes || ahead.sighting.source == Source::Laser)
+                && ahead.reading_m < stop_distance_m
+                && !self.is_expected(&ahead, scene)
+        })
     }
 
     /// Something in the hull's way is nearer than even what the map explains may be. What stands beside the way does not
@@ -117,7 +125,7 @@ impl WatchTuning {
                 && ahead.reading_m < stop_distance_m.max(self.look_ahead_m)
                 && !self.is_expected(&ahead, scene)
         });
-        if !lasers_say_so {
+        if self.heeds_single_echoes && !lasers_say_so {
             for ahead in self.sonars_ahead(sightings, scene) {
                 if ahead.reading_m < stop_distance_m && !self.is_expected(&ahead, scene) {
                     found.extend(arc(&ahead, scene));

@@ -1,9 +1,12 @@
 //! `stop_and_replan`: turn in place, drive straight, stop in front of what is not on the map and ask for a new path.
 //!
 //! Hernández Alamilla (2005), *navigation with natural landmarks*, chapter 6: turn-then-go control with three speeds
-//! up and down (6.1), the watch in front of the robot (6.2). Corrections and extensions are marked where they are.
+//! up and down (6.1), the watch in front of the robot (6.2). Corrections and extensions are marked where they are: sonar
+//! fused over time, which finds panes of glass, and bumpers.
 
 pub mod checkpoints;
+pub mod cones;
+pub mod evidence;
 pub mod explained;
 pub mod front_watch;
 pub mod lane;
@@ -11,8 +14,10 @@ mod params;
 mod plugin;
 pub mod progress;
 pub mod sightings;
+pub mod sound_watch;
 pub mod speed_profile;
 mod straight;
+pub mod touch;
 pub mod tuning;
 pub mod turn_then_go;
 

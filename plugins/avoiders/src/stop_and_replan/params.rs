@@ -2,6 +2,7 @@
 
 use super::front_watch::WatchTuning;
 use super::lane::LaneTuning;
+use super::sound_watch::SoundTuning;
 use super::speed_profile::SpeedProfile;
 use super::tuning::Tuning;
 use rumbo_core::robot::Robot;
@@ -13,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct StopAndReplanParams {
-    /// Behave as published (Hernández Alamilla 2005): switches off `ignore_expected`, `look_ahead_m`,
+    /// Behave as published (Hernández Alamilla 2005): switches off `ignore_expected`, `look_ahead_m`, `sonar_decay_s`,
     /// `heading_gain_per_s`, `keep_off_m` and `merge_within_cells`, stops at `stop_distance_m` at any speed, and reports obstacles only
     /// inside the watched strip.
     pub thesis_mode: bool,
@@ -46,7 +47,15 @@ pub struct StopAndReplanParams {
     pub stop_distance_m: f64,
     /// The source's V: width of the strip ahead in which laser hits count, meters. More than the robot, less than a door.
     pub watched_width_m: f64,
-    /// The front sonars are those whose axes are within this of straight ahead, degrees.
+    /// Sonar echoes are fused over time: three that agree on a place are an obstacle there, and after so long without
+    /// another it is forgotten, seconds. An echo that is not sure yet makes a driving robot wait for the next reading. 0
+    /// does as published: a single echo of a front sonar nearer than `stop_distance_m` is an obstacle.
+    pub sonar_decay_s: f64,
+    /// Sonars whose axes are within this of straight ahead are fused, degrees. A pane answers only to a sonar that meets it
+    /// squarely, so those ahead alone miss a pane that stands aslant in the way.
+    pub sonar_within_deg: f64,
+    /// The front sonars are those whose axes are within this of straight ahead, degrees: where echoes are not fused, only
+    /// they count.
     pub front_sonar_within_deg: f64,
     /// Readings that the map (with the obstacles known so far) explains stop the robot only below the hard limits.
     pub ignore_expected: bool,
@@ -59,7 +68,7 @@ pub struct StopAndReplanParams {
     /// An unexpected obstacle in the way to the next checkpoint is noticed this far ahead, meters; 0 for only at
     /// `stop_distance_m`. Less than `insertion_range_m`, so that what is noticed is reported with its sides.
     pub look_ahead_m: f64,
-    /// Unexpected laser hits up to this far are reported as obstacles, meters.
+    /// Unexpected laser hits and echoes up to this far are reported as obstacles, meters.
     pub insertion_range_m: f64,
     /// Width of the strip ahead in which unexpected hits are reported, meters. Wider than the watched strip, so that one
     /// new path goes around the whole obstacle.
@@ -88,6 +97,8 @@ impl Default for StopAndReplanParams {
             keep_off_m: 0.08,
             stop_distance_m: 0.30,
             watched_width_m: 0.60,
+            sonar_decay_s: 10.0,
+            sonar_within_deg: 60.0,
             front_sonar_within_deg: 23.0,
             ignore_expected: true,
             expected_within_m: 0.10,
@@ -111,6 +122,7 @@ impl StopAndReplanParams {
         StopAndReplanParams {
             ignore_expected: false,
             look_ahead_m: 0.0,
+            sonar_decay_s: 0.0,
             heading_gain_per_s: 0.0,
             merge_within_cells: 0.0,
             keep_off_m: 0.0,
@@ -148,6 +160,7 @@ impl StopAndReplanParams {
             stop_distance_m: self.stop_distance_m,
             watched_width_m: self.watched_width_m,
             front_sonar_within_rad: self.front_sonar_within_deg.to_radians(),
+            heeds_single_echoes: self.sonar_decay_s == 0.0,
             ignores_expected: self.ignore_expected,
             expected_within_m: self.expected_within_m,
             hard_limit_laser_m: self.hard_limit_laser_m,
@@ -157,6 +170,19 @@ impl StopAndReplanParams {
             insertion_range_m: self.insertion_range_m,
             insertion_width_m: self.insertion_width_m,
         }
+    }
+
+    /// The numbers of the watch by sound for this robot; none where echoes are not fused.
+    pub fn sound(&self, robot: &Robot) -> Option<SoundTuning> {
+        (self.sonar_decay_s > 0.0).then(|| SoundTuning {
+            within_rad: self.sonar_within_deg.to_radians(),
+            reach_m: self.insertion_range_m,
+            decay_s: self.sonar_decay_s,
+            expected_within_m: self.expected_within_m,
+            hull_radius_m: robot.hull().outer_radius_m(),
+            half_hull_m: half_hull_m(robot),
+            look_ahead_m: self.look_ahead_m,
+        })
     }
 
     /// The room beside this robot.
@@ -209,6 +235,8 @@ impl StopAndReplanParams {
             ("heading_gain_per_s", self.heading_gain_per_s),
             ("merge_within_cells", self.merge_within_cells),
             ("keep_off_m", self.keep_off_m),
+            ("sonar_decay_s", self.sonar_decay_s),
+            ("sonar_within_deg", self.sonar_within_deg),
             ("front_sonar_within_deg", self.front_sonar_within_deg),
             ("expected_within_m", self.expected_within_m),
             ("hard_limit_laser_m", self.hard_limit_laser_m),

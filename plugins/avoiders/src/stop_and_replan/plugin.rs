@@ -5,10 +5,12 @@ use super::front_watch::{Scene, WatchTuning};
 use super::lane::{Lane, LaneTuning};
 use super::progress::Progress;
 use super::sightings::{Sightings, Source};
+use super::sound_watch::SoundWatch;
+use super::touch::add_touched;
 use super::turn_then_go::{Motion, TurnThenGo};
-use rumbo_core::frames::{Pose2, Twist, flatten, is_finite2};
+use rumbo_core::frames::{Twist, flatten, is_finite2};
 use rumbo_core::map::Grid;
-use rumbo_core::messages::{Check, MessageFault, ObservationKind};
+use rumbo_core::messages::{Check, MessageFault, ObservationKind, Obstacle};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::robot::{DriveKind, Robot};
 use rumbo_core::stages::{AvoidError, AvoidInput, Avoider, BuildContext, BuildError, Cx, Steering};
@@ -18,6 +20,10 @@ use rumbo_core::time::{Span, Time};
 #[derive(Debug)]
 pub struct StopAndReplan {
     watch: WatchTuning,
+    /// Echoes over time; none where single echoes count.
+    sound: Option<SoundWatch>,
+    /// What bumpers touched since the last call.
+    touched: Vec<Obstacle>,
     lane: LaneTuning,
     control: TurnThenGo,
     sightings: Sightings,
@@ -55,6 +61,8 @@ impl StopAndReplan {
         let farthest_m = looks_m.into_iter().fold(braking.distance_m(fastest_m_s), f64::max);
         StopAndReplan {
             watch,
+            sound: params.sound(robot).map(SoundWatch::new),
+            touched: Vec::new(),
             lane: params.lane(robot),
             control: TurnThenGo::new(params.tuning(robot, 1.0 / rate_hz)),
             sightings: Sightings::new(farthest_m + Self::MARGIN_M),
@@ -69,12 +77,24 @@ impl StopAndReplan {
         }
     }
 
-    /// Takes in what the range sensors saw since the last call.
-    fn look(&mut self, now: Time, input: &AvoidInput<'_>, odom_from_base: &Pose2) {
+    /// Takes in what range sensors and bumpers noticed since the last call.
+    fn look(&mut self, input: &AvoidInput<'_>, scene: &Scene<'_>) {
+        let since_then = |stamp: Time| {
+            let age_s = (scene.now - stamp).as_secs().clamp(0.0, Self::OLDEST_S);
+            input.twist.integrate(-age_s)
+        };
+        self.touched.clear();
         for observation in input.seen.iter() {
-            let age_s = (now - observation.stamp).as_secs().clamp(0.0, Self::OLDEST_S);
-            let odom_from_base_then = odom_from_base * input.twist.integrate(-age_s);
-            self.sightings.see(observation, &odom_from_base_then);
+            let then = since_then(observation.stamp);
+            self.sightings.see(observation, &(scene.odom_from_base * then));
+            add_touched(observation, &(scene.map_from_base * then), input.obstacles, &mut self.touched);
+        }
+        // After all scans: light explains echoes of the same moment.
+        if let Some(sound) = &mut self.sound {
+            for observation in input.seen.iter() {
+                let map_from_base_then = scene.map_from_base * since_then(observation.stamp);
+                sound.listen(observation, map_from_base_then, &self.sightings, scene);
+            }
         }
     }
 
@@ -146,7 +166,11 @@ impl StopAndReplan {
         let speed_m_s = input.twist.forward_m_s;
         let brakes_m = self.braking.map_or(0.0, |b| b.distance_m(speed_m_s).min(left_m + b.standing_m));
         let stop_distance_m = self.watch.stop_distance_m.max(brakes_m);
-        let is_unexpected = self.watch.meets_unexpected(&self.sightings, scene, stop_distance_m)
+        let is_heard = self.sound.as_ref().is_some_and(|sound| {
+            sound.meets_unexpected(&self.sightings, scene, self.watch.stop_distance_m, left_m)
+        });
+        let is_unexpected = is_heard
+            || self.watch.meets_unexpected(&self.sightings, scene, stop_distance_m)
             || self.watch.is_way_closed(&self.sightings, scene, left_m);
         let is_held = self.watch.is_too_near(&self.sightings, scene)
             || self.progress.is_stuck(now, twist, &scene.odom_from_base);
@@ -157,13 +181,23 @@ impl StopAndReplan {
         if is_held || is_unexpected {
             return Ok(self.block(scene, stop_distance_m));
         }
+        if self.sound.as_ref().is_some_and(|sound| sound.is_in_doubt(stop_distance_m)) {
+            // The next reading tells whether it was an echo at all.
+            self.progress.rest();
+            return Ok(Steering::Drive(Twist::ZERO));
+        }
         Ok(Steering::Drive(twist))
     }
 
     fn block(&mut self, scene: &Scene<'_>, stop_distance_m: f64) -> Steering {
         self.is_blocked = true;
         self.progress.rest();
-        Steering::Blocked { obstacles: self.watch.unexpected(&self.sightings, scene, stop_distance_m) }
+        let mut obstacles = self.watch.unexpected(&self.sightings, scene, stop_distance_m);
+        if let Some(sound) = &self.sound {
+            obstacles.extend(sound.obstacles(&self.sightings, scene));
+        }
+        obstacles.append(&mut self.touched);
+        Steering::Blocked { obstacles }
     }
 }
 
@@ -204,14 +238,18 @@ impl Avoider for StopAndReplan {
         self.listen(cx.now);
         let map_from_odom = flatten(&input.estimate.map_from_odom);
         let scene = Scene {
+            now: cx.now,
             odom_from_base: map_from_odom.inverse() * input.map_from_base,
             map_from_base: input.map_from_base,
             grid: input.grid,
         };
-        self.look(cx.now, input, &scene.odom_from_base);
+        self.look(input, &scene);
         if !self.follows_a_path(cx.now, input) {
             self.progress.rest();
             return Ok(Steering::Drive(Twist::ZERO));
+        }
+        if !self.touched.is_empty() {
+            return Ok(self.block(&scene, self.watch.stop_distance_m));
         }
         if let Some(left_m) = self.control.left_m() {
             self.control.give_way(Lane::between(&self.sightings, &scene, &self.lane, left_m));

@@ -1,12 +1,14 @@
 //! The avoider as the engine sees it: what it does about readings, paths and their absence.
 
+mod by_sound_and_touch;
+
 use super::*;
 use front_watch::Scene;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Pose2, Pose3, Twist, flatten, lift, pose2};
 use rumbo_core::map::{Grid, Map};
 use rumbo_core::messages::{
-    Data, Estimate, LaserScan, Observation, Path, PathPoint, RangeRing, Seen, SensorId,
+    Data, Estimate, LaserScan, Observation, Obstacle, Path, PathPoint, RangeRing, Seen, SensorId,
 };
 use rumbo_core::registry::{Built, Params, Registry, Stage};
 use rumbo_core::robot::Robot;
@@ -29,6 +31,7 @@ struct Bench {
     path_number: u64,
     map_from_odom: Pose2,
     discs: Vec<(Point2, f64)>,
+    obstacles: Vec<Obstacle>,
 }
 
 impl Bench {
@@ -45,11 +48,16 @@ impl Bench {
             path_number: 0,
             map_from_odom: pose2(-3.0, 5.0, 2.0),
             discs: Vec::new(),
+            obstacles: Vec::new(),
         }
     }
 
+    fn thesis_params() -> StopAndReplanParams {
+        StopAndReplanParams { thesis_mode: true, ..StopAndReplanParams::default() }
+    }
+
     fn thesis() -> Bench {
-        Bench::new(StopAndReplanParams { thesis_mode: true, ..StopAndReplanParams::default() })
+        Bench::new(Bench::thesis_params())
     }
 
     fn follow(&mut self, points: &[(f64, f64)]) {
@@ -71,7 +79,7 @@ impl Bench {
             path: self.path.as_ref(),
             path_number: self.path_number,
             arrival_radius_m: 0.10,
-            obstacles: &[],
+            obstacles: &self.obstacles,
             robot: &self.robot,
         };
         self.avoider.steer(&mut Cx { now: self.now, trace: &Trace::unwatched() }, &input)
@@ -193,7 +201,8 @@ fn the_front_watch_answers_every_vector() {
         let seen = [hits(bench.now, &pairs("laser")), echoes(bench.now, &pairs("sonar"))];
         let mut sightings = Sightings::new(10.0);
         seen.iter().for_each(|observation| sightings.see(observation, &bench.pose));
-        let scene = Scene { odom_from_base: bench.pose, map_from_base: bench.pose, grid: None };
+        let scene =
+            Scene { now: bench.now, odom_from_base: bench.pose, map_from_base: bench.pose, grid: None };
         let watch = StopAndReplanParams::default().watch(&bench.robot);
         let minimum = vector["minimum"].as_float().unwrap();
         assert!((watch.nearest_ahead_m(&sightings, &scene) - minimum).abs() < 1e-6, "{}", vector["name"]);
@@ -311,7 +320,7 @@ fn the_lane_counts_what_is_beside_the_next_half_meter_of_the_way() {
         let hit = (y.atan2(x).to_degrees().round(), x.hypot(y));
         sightings.see(&hits(Time::ZERO, &[hit]), &Pose2::identity());
         let moved = pose2(moved_m, 0.0, 0.0);
-        let scene = Scene { odom_from_base: moved, map_from_base: moved, grid: None };
+        let scene = Scene { now: Time::ZERO, odom_from_base: moved, map_from_base: moved, grid: None };
         let tuning = StopAndReplanParams::default().lane(&Robot::default());
         lane::Lane::between(&sightings, &scene, &tuning, left_m).lowest_m
     };
@@ -364,7 +373,8 @@ fn a_robot_that_is_held_beside_a_wall_turns_away_and_drives_on() {
 #[test]
 fn an_echo_is_expected_where_the_map_has_something_in_its_cone() {
     let at = |echo: (f64, f64), known: (f64, f64)| {
-        let mut bench = Bench::new(StopAndReplanParams::default());
+        let params = StopAndReplanParams { sonar_decay_s: 0.0, ..StopAndReplanParams::default() };
+        let mut bench = Bench::new(params);
         bench.grid = Some(grid_with(&[known], 0.0));
         bench.follow(&[(0.0, 0.0), (4.0, 0.0)]);
         let seen = [echoes(bench.now, &[echo])];
@@ -406,7 +416,8 @@ fn sonar_alone_reports_the_arc_of_its_cone() {
 #[test]
 fn where_the_laser_says_what_it_is_the_sonar_adds_nothing() {
     let n_reported = |laser: &[(f64, f64)]| {
-        let mut bench = Bench::new(StopAndReplanParams::default());
+        let params = StopAndReplanParams { sonar_decay_s: 0.0, ..StopAndReplanParams::default() };
+        let mut bench = Bench::new(params);
         bench.grid = Some(grid_with(&[], 0.0));
         bench.follow(&[(0.0, 0.0), (4.0, 0.0)]);
         let seen = [hits(bench.now, laser), echoes(bench.now, &[(0.0, 0.09)])];

@@ -5,7 +5,7 @@ use super::cost_map::{Clearances, Escape, keeps};
 use super::descent::descend;
 use super::obstruction::{Obstruction, find_obstruction};
 use rumbo_kit::GridSize;
-use rumbo_kit::cost_field::{CostField, StepRule, Until};
+use rumbo_kit::cost_field::{CostField, GivenUp, StepRule, Until};
 use rumbo_kit::proximity::{CellKind, ProximityMap};
 use rumbo_kit::segment::all_cells_crossed;
 
@@ -217,12 +217,20 @@ impl GridDp {
 
     /// What keeps the start from the goal.
     fn no_way(&mut self, request: &DpRequest, rules: &DpRules, give_up: &mut dyn FnMut() -> bool) -> DpFault {
+        self.obstruction(request, rules, &|_| false, give_up).map_or(DpFault::GivenUp, DpFault::Unreachable)
+    }
+
+    /// What keeps the start from the goal on the grid of the last plan, if removable cells are the first to be opened.
+    pub fn obstruction(
+        &mut self,
+        request: &DpRequest,
+        rules: &DpRules,
+        is_removable: &dyn Fn(usize) -> bool,
+        give_up: &mut dyn FnMut() -> bool,
+    ) -> Result<Option<Obstruction>, GivenUp> {
         let start = self.proximity.size().index(request.start[0] as usize, request.start[1] as usize);
         let (minimum, ends) = (rules.clearances.minimum, [start, request.goal]);
-        match find_obstruction(&self.proximity, &mut self.field, minimum, rules.steps, ends, give_up) {
-            Ok(obstruction) => DpFault::Unreachable(obstruction),
-            Err(_) => DpFault::GivenUp,
-        }
+        find_obstruction(&self.proximity, &mut self.field, minimum, rules.steps, ends, is_removable, give_up)
     }
 
     /// The place straight behind the robot, if the way there is free.

@@ -13,6 +13,8 @@ pub mod descent;
 
 pub mod checkpoints;
 
+mod explanation;
+pub mod found;
 pub mod obstruction;
 
 pub use params::DpParams;

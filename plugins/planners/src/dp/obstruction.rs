@@ -24,25 +24,31 @@ pub enum Obstruction {
 
 /// A closed cell weighs more than any detour through open ones.
 const CLOSED_CELL: f64 = 1e9;
+/// What stands in the way for a time is taken away more easily than a wall.
+const REMOVABLE_CELL: f64 = 1e6;
 /// So does a narrow one, but less than a closed one; the narrower, the heavier.
 const NARROW_CELL: f64 = 1e3;
 
-/// Finds the way that breaks the rules least and says what is wrong with it. `ends` are start and goal.
+/// Finds the way that breaks the rules least and says what is wrong with it. `ends` are start and goal; closed cells that
+/// are removable were found on the way.
 pub fn find_obstruction(
     proximity: &ProximityMap,
     field: &mut CostField,
     minimum: f64,
     steps: StepRule,
     ends: [usize; 2],
+    is_removable: &dyn Fn(usize) -> bool,
     give_up: &mut dyn FnMut() -> bool,
 ) -> Result<Option<Obstruction>, GivenUp> {
     let [start, goal] = ends;
-    let entry = |(kind, distance): (&CellKind, &f64)| match kind {
+    let entry = |(cell, (kind, distance)): (usize, (&CellKind, &f64))| match kind {
         CellKind::Free if keeps(*distance, minimum) => 1.0,
         CellKind::Free => NARROW_CELL * (1.0 + minimum - distance),
+        CellKind::Obstacle | CellKind::Closed if is_removable(cell) => REMOVABLE_CELL,
         CellKind::Obstacle | CellKind::Closed => CLOSED_CELL,
     };
-    let entries: Vec<f64> = proximity.kinds().iter().zip(proximity.distances()).map(entry).collect();
+    let entries: Vec<f64> =
+        proximity.kinds().iter().zip(proximity.distances()).enumerate().map(entry).collect();
     field.set_entry_costs(proximity.size(), &entries, steps);
     field.grow(goal, Until::Settled(start), give_up)?;
     let Some(way) = descend(field, steps, start, goal) else { return Ok(None) };

@@ -2,6 +2,7 @@
 
 use super::DpParams;
 use super::cost_map::keeps;
+use super::explanation::Explanation;
 use super::grid_dp::{DpFault, DpPlan, DpRequest, DpRules, GridDp};
 use super::obstruction::Obstruction;
 use crate::hull_fit::fits_hull;
@@ -53,7 +54,49 @@ impl Dp {
         Path::new(points, plan.cost)
     }
 
-    fn error(&self, request: &PlanRequest, grid: &PlanGrid<'_>, fault: DpFault) -> PlanError {
+    fn explained(
+        &mut self,
+        request: &PlanRequest,
+        grid: &PlanGrid<'_>,
+        rules: &DpRules,
+        in_cells: &DpRequest,
+        fault: DpFault,
+    ) -> PlanError {
+        let (on_map, hull_radius_m) = (request.map.grid.as_ref(), request.robot.hull().outer_radius_m());
+        let explanation = Explanation::new(grid, on_map, self.params.minimum_clearance_m, hull_radius_m);
+        let fault = match fault {
+            DpFault::Unreachable(found) => self.least_change(request, in_cells, rules, &explanation, found),
+            other => other,
+        };
+        self.error(request, grid, &explanation, fault)
+    }
+
+    /// The least change that opens a way: what was found on the way goes before what the map shows.
+    fn least_change(
+        &mut self,
+        request: &PlanRequest,
+        in_cells: &DpRequest,
+        rules: &DpRules,
+        explanation: &Explanation<'_>,
+        found: Option<Obstruction>,
+    ) -> DpFault {
+        if !explanation.knows_found() {
+            return DpFault::Unreachable(found);
+        }
+        let mut give_up = || request.give_up.is_raised();
+        let is_removable = |cell: usize| explanation.is_found(cell);
+        self.grid_dp
+            .obstruction(in_cells, rules, &is_removable, &mut give_up)
+            .map_or(DpFault::GivenUp, DpFault::Unreachable)
+    }
+
+    fn error(
+        &self,
+        request: &PlanRequest,
+        grid: &PlanGrid<'_>,
+        explanation: &Explanation<'_>,
+        fault: DpFault,
+    ) -> PlanError {
         let resolution_m = grid.resolution_m();
         let needed_m = self.params.minimum_clearance_m;
         match fault {
@@ -73,43 +116,10 @@ impl Dp {
                 start: request.start.translation.vector.into(),
                 found: "too close to an obstacle, and there is no room to back off",
             },
-            DpFault::Unreachable(obstruction) => {
-                let reason = obstruction.map_or_else(
-                    || "the goal lies apart from the start".to_owned(),
-                    |obstruction| {
-                        describe(&obstruction, grid, needed_m, request.robot.hull().outer_radius_m())
-                    },
-                );
-                PlanError::Unreachable { reason }
-            }
-        }
-    }
-}
-
-/// What is in the way, and the smallest change that opens it.
-fn describe(obstruction: &Obstruction, grid: &PlanGrid<'_>, needed_m: f64, hull_radius_m: f64) -> String {
-    match obstruction {
-        Obstruction::Narrow { cell, distance } => {
-            let at = grid.middle_of(*cell);
-            let found_m = distance * grid.resolution_m();
-            let way_out = if found_m > hull_radius_m {
-                format!("widen it, or set minimum_clearance_m to at most {found_m:.2}")
-            } else {
-                format!("too narrow for the robot, whose radius is {hull_radius_m:.2} m: open it")
-            };
-            format!(
-                "the narrowest passage, at ({:.2}, {:.2}) m, leaves {found_m:.2} m to the nearest obstacle where \
-                 {needed_m:.2} m are kept; {way_out}",
-                at.x, at.y
-            )
-        }
-        Obstruction::Closed { cells } => {
-            let at = cells.first().map(|&cell| grid.middle_of(cell)).unwrap_or_default();
-            let thickness_m = cells.len() as f64 * grid.resolution_m();
-            format!(
-                "every way is closed; the thinnest obstacle, {thickness_m:.2} m of it, stands at ({:.2}, {:.2}) m",
-                at.x, at.y
-            )
+            DpFault::Unreachable(obstruction) => PlanError::Unreachable {
+                reason: obstruction
+                    .map_or_else(|| "the goal lies apart from the start".to_owned(), |o| explanation.of(&o)),
+            },
         }
     }
 }
@@ -121,10 +131,11 @@ impl Planner for Dp {
         let rules = self.params.rules(grid.resolution_m(), request.robot.hull().outer_radius_m());
         let in_cells = DpRequest { start: grid.start, heading_rad: grid.heading_rad, goal: grid.goal_cell };
         let mut give_up = || request.give_up.is_raised();
-        let plan = self
-            .grid_dp
-            .plan(grid.size, &self.kinds, &rules, &in_cells, &mut give_up)
-            .map_err(|fault| self.error(request, &grid, fault))?;
+        let planned = self.grid_dp.plan(grid.size, &self.kinds, &rules, &in_cells, &mut give_up);
+        let plan = match planned {
+            Ok(plan) => plan,
+            Err(fault) => return Err(self.explained(request, &grid, &rules, &in_cells, fault)),
+        };
         request.trace.count("settled_tiles", self.grid_dp.field().n_settled_tiles() as f64);
         request.trace.draw(|| Drawing::Polyline {
             name: "path before refinement",

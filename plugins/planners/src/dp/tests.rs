@@ -70,6 +70,53 @@ fn a_closed_or_narrow_door_is_named_with_its_place() {
     assert!(reason.contains("the thinnest obstacle, 0.10 m of it, stands at (3.15"), "{reason}");
 }
 
+/// The two rooms, with obstacles that were found on the way: discs of the map's frame.
+fn two_rooms_with(found: &[(f64, f64, f64)]) -> PlanRequest {
+    let mut request = two_rooms();
+    request.map.grid = request.grid.clone();
+    let grid = request.grid.as_mut().unwrap();
+    for (x, y, radius_m) in found {
+        grid.occupy_disc(Point2::new(*x, *y), *radius_m);
+    }
+    request
+}
+
+fn reason(request: &PlanRequest) -> String {
+    match plan(DpParams::default(), request) {
+        Err(PlanError::Unreachable { reason }) => reason,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn what_was_found_on_the_way_is_told_apart_from_the_map() {
+    // Across the whole door: it is a cell thick and a meter wide.
+    let shut: Vec<(f64, f64, f64)> = (0..10).map(|k| (3.15, 1.15 + 0.1 * f64::from(k), 0.0)).collect();
+    let closed = reason(&two_rooms_with(&shut));
+    let expected = "every way is closed; the least that opens one: take away what was found on the way at \
+                    (3.15, 1.60) m, 1.00 m across, not on the map";
+    assert_eq!(closed, expected);
+    // A crate in the door leaves gaps that are too narrow, and another stands in a corner.
+    let crate_in_door = [(3.15, 1.6, 0.2), (5.0, 0.5, 0.05)];
+    let narrow = reason(&two_rooms_with(&crate_in_door));
+    assert!(narrow.contains("the narrowest passage, at (3.") && narrow.contains("take it away"), "{narrow}");
+    assert!(narrow.contains("found on the way at (3.15, 1.65) m, 0.71 m across"), "{narrow}");
+    assert!(narrow.contains("; also found on the way: at (5.00, 0.50) m"), "{narrow}");
+    // Without it there is a way.
+    assert!(plan(DpParams::default(), &two_rooms_with(&crate_in_door[1..])).is_ok());
+    // What the map shows is not called found.
+    let mut on_map = two_rooms_with(&shut);
+    on_map.map.grid = on_map.grid.clone();
+    assert!(!reason(&on_map).contains("found on the way"));
+}
+
+#[test]
+fn more_obstacles_than_can_be_named_are_counted() {
+    let mut found: Vec<(f64, f64, f64)> = (0..10).map(|k| (3.15, 1.15 + 0.1 * f64::from(k), 0.0)).collect();
+    found.extend((0..6).map(|k| (4.0 + 0.8 * f64::from(k % 3), 0.4 + f64::from(k / 3), 0.0)));
+    assert!(reason(&two_rooms_with(&found)).ends_with(" and 2 more"), "{}", reason(&two_rooms_with(&found)));
+}
+
 #[test]
 fn a_robot_inside_the_forbidden_band_leaves_it_and_one_without_room_backs_off() {
     let mut request = two_rooms();

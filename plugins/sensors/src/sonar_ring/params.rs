@@ -24,6 +24,9 @@ pub struct SonarRingParams {
     pub deviation_m: f64,
     /// Share of echoes that are lost.
     pub dropout: f64,
+    /// Share of readings in which a transducer takes the ping of a neighbor for its own: it reads half of both ways
+    /// together, too short where the neighbor's echo is nearer. Transducers that fire one after the other have none.
+    pub crosstalk: f64,
 }
 
 impl Default for SonarRingParams {
@@ -36,6 +39,7 @@ impl Default for SonarRingParams {
             max_range_m: 6.5,
             deviation_m: 0.02,
             dropout: 0.0,
+            crosstalk: 0.0,
         }
     }
 }
@@ -45,8 +49,16 @@ const MOST_TRANSDUCERS: u32 = 360;
 
 impl Params for SonarRingParams {
     fn check(&self) -> Vec<BuildError> {
-        let Self { transducers, cone_deg, ring_radius_m, min_range_m, max_range_m, deviation_m, dropout } =
-            *self;
+        let Self {
+            transducers,
+            cone_deg,
+            ring_radius_m,
+            min_range_m,
+            max_range_m,
+            deviation_m,
+            dropout,
+            crosstalk,
+        } = *self;
         let mut faults = Vec::new();
         if !(1..=MOST_TRANSDUCERS).contains(&transducers) {
             faults.push(BuildError::at(
@@ -68,6 +80,7 @@ impl Params for SonarRingParams {
         let reach_fits = max_range_m.is_finite() && max_range_m > min_range_m;
         expect(reach_fits, "max_range_m", max_range_m, "a finite range above min_range_m");
         expect((0.0..=1.0).contains(&dropout), "dropout", dropout, "a share from 0 to 1");
+        expect((0.0..=1.0).contains(&crosstalk), "crosstalk", crosstalk, "a share from 0 to 1");
         faults
     }
 }

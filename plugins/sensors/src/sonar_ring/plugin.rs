@@ -12,6 +12,7 @@ use rumbo_core::stages::{
 };
 
 use super::SonarRingParams;
+use super::crosstalk::mix;
 use crate::recorded::Seat;
 
 rumbo_core::register_sensor!(SonarRingParams, "sonar_ring", "ultrasonic transducers around the hull");
@@ -22,6 +23,8 @@ pub struct SonarRing {
     seat: Seat,
     params: SonarRingParams,
     bearings_rad: Vec<f64>,
+    /// What each transducer would read alone.
+    exact_m: Vec<f32>,
     rng: Rng,
 }
 
@@ -44,7 +47,8 @@ impl Plugin<dyn Sensor> for SonarRingParams {
         }
         let step_rad = TAU / f64::from(self.transducers);
         let bearings_rad = (0..self.transducers).map(|k| step_rad * f64::from(k)).collect();
-        Ok(Box::new(SonarRing { seat: Seat::of(context), params, bearings_rad, rng: context.rng() }))
+        let exact_m = vec![0.0; self.transducers as usize];
+        Ok(Box::new(SonarRing { seat: Seat::of(context), params, bearings_rad, exact_m, rng: context.rng() }))
     }
 }
 
@@ -84,7 +88,8 @@ impl Sensor for SonarRing {
         let mut ranges_m = out.buffer(self.bearings_rad.len());
         match world.probe(&probe) {
             Ok(Answer::Ranges(exact)) if exact.len() == ranges_m.len() => {
-                ranges_m.make_mut().copy_from_slice(exact)
+                self.exact_m.clear();
+                self.exact_m.extend_from_slice(exact);
             }
             Ok(Answer::Recorded(recorded)) => {
                 self.seat.pass_on(recorded, out);
@@ -98,7 +103,10 @@ impl Sensor for SonarRing {
             }
             Err(error) => return Err(error.into()),
         }
-        for range in ranges_m.make_mut() {
+        let heard_m = ranges_m.make_mut();
+        heard_m.copy_from_slice(&self.exact_m);
+        mix(&self.exact_m, self.params.crosstalk, &mut self.rng, heard_m);
+        for range in heard_m {
             *range = self.reading(*range);
         }
         let ring = RangeRing {

@@ -31,6 +31,21 @@ fn echoes_that_are_too_near_or_lost_are_no_readings() {
 }
 
 #[test]
+fn a_transducer_that_faces_nothing_hears_its_neighbors_ping() {
+    let exact = SonarRingParams { deviation_m: 0.0, ..SonarRingParams::default() };
+    let alone = ring(&exact, 2.0);
+    let mixed = ring(&SonarRingParams { crosstalk: 1.0, ..exact }, 2.0);
+    let outermost = alone.ranges_m.iter().position(|range| range.is_infinite()).unwrap() - 1;
+    let outer_m = alone.ranges_m[outermost];
+    let inner_m = (outer_m + alone.ranges_m[outermost - 1]) / 2.0;
+    // From the side that faces nothing comes no sound.
+    assert!([outer_m, inner_m].contains(&mixed.ranges_m[outermost]));
+    let beyond_m = mixed.ranges_m[outermost + 1];
+    assert!(beyond_m == outer_m || beyond_m.is_infinite());
+    assert!(mixed.ranges_m[8].is_infinite());
+}
+
+#[test]
 fn readings_scatter_as_told() {
     let params = SonarRingParams { deviation_m: 0.05, ..SonarRingParams::default() };
     let mut sensor = params.build(&BuildContext::bare("sensor")).unwrap();
@@ -59,7 +74,8 @@ fn impossible_rings_are_named() {
         max_range_m: 0.0,
         deviation_m: -1.0,
         dropout: 2.0,
+        crosstalk: -0.1,
     };
-    assert_eq!(bad.check().len(), 7);
+    assert_eq!(bad.check().len(), 8);
     assert!(SonarRingParams::default().check().is_empty());
 }
