@@ -4,3 +4,4 @@
 pub mod odometry;
 pub mod particle_filter;
 pub mod recorded_pose;
+pub mod triangulation;
