@@ -1,5 +1,7 @@
 //! From a scan to its landmarks, in one pass and in memory that is kept.
 
+mod circular;
+
 use super::corners::straight_pieces;
 use super::discontinuities::{Gap, gap_after};
 use super::hough::Hough;
@@ -27,6 +29,8 @@ pub struct Extractor {
     settings: LandmarkSettings,
     /// Bearings that `directions` were computed for.
     fan: Option<[f64; 2]>,
+    /// From one beam to the next, radians.
+    beam_step_rad: f64,
     directions: Vec<[f64; 2]>,
     readings: Vec<Reading>,
     pending: Vec<[usize; 2]>,
@@ -40,6 +44,7 @@ impl Extractor {
         Extractor {
             settings,
             fan: None,
+            beam_step_rad: 0.0,
             directions: Vec::new(),
             readings: Vec::new(),
             pending: Vec::new(),
@@ -57,19 +62,25 @@ impl Extractor {
             return &self.landmarks;
         }
         self.place_readings(fan, ranges_m);
+        self.beam_step_rad = fan.bearing_step_rad.abs();
+        self.collect(fan.max_range_m);
+        &self.landmarks
+    }
+
+    /// The landmarks of the readings that are in place.
+    fn collect(&mut self, reach_m: f64) {
         let mut first = 0;
         for idx in 0..self.readings.len() {
             let gap = gap_after(&self.readings, idx, &self.settings);
             if gap == Gap::None {
                 continue;
             }
-            self.add_straight_pieces([first, idx], fan);
+            self.add_straight_pieces([first, idx], reach_m);
             if gap == Gap::Jump {
                 self.add_discontinuity(idx);
             }
             first = idx + 1;
         }
-        &self.landmarks
     }
 
     /// What the last scan looked like.
@@ -120,7 +131,7 @@ impl Extractor {
         let (edge, hidden) =
             if right.range_m > left.range_m { (left, Side::Left) } else { (right, Side::Right) };
         let jump_m = (right.range_m - left.range_m).abs();
-        let beam_m = self.fan.map_or(0.0, |[_, step_rad]| edge.range_m * step_rad.abs());
+        let beam_m = edge.range_m * self.beam_step_rad;
         let next = beside.and_then(|idx| self.readings.get(idx)).filter(|reading| reading.is_valid());
         let spacing_m = next.map_or(beam_m, |reading| apart(edge, reading).min(jump_m)).max(beam_m);
         self.landmarks.push(Landmark {
@@ -131,11 +142,11 @@ impl Extractor {
         });
     }
 
-    fn add_straight_pieces(&mut self, [first, last]: [usize; 2], fan: &BeamFan) {
+    fn add_straight_pieces(&mut self, [first, last]: [usize; 2], reach_m: f64) {
         let Self { settings, readings, pending, hough, landmarks, .. } = self;
         let corner_m = settings.corner_m;
         straight_pieces(readings, [first, last], corner_m, pending, |piece, [from, to]| {
-            if let Some(wall) = wall_of(piece, settings, hough, fan.max_range_m) {
+            if let Some(wall) = wall_of(piece, settings, hough, reach_m) {
                 landmarks.push(Landmark { beams: [from as u32, to as u32], ..wall });
             }
             let [.., before, corner] = piece else { return };
