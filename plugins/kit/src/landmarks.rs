@@ -9,12 +9,14 @@ mod discontinuities;
 mod extractor;
 pub mod hough;
 mod least_squares;
+mod noise;
 mod readings;
 
 #[cfg(test)]
 mod tests;
 
 pub use extractor::{BeamFan, Extractor};
+pub use noise::LandmarkNoise;
 pub use readings::Reading;
 
 use serde::{Deserialize, Serialize};
@@ -41,9 +43,14 @@ pub enum LandmarkKind {
         hidden: Side,
         /// How far the range jumps, meters (P).
         jump_m: f64,
+        /// To the next reading of the same surface, meters: the edge is known no better.
+        spacing_m: f64,
     },
     /// Two straight pieces meet.
-    Corner,
+    Corner {
+        /// To the farther of the readings beside it, meters: the corner is known no better.
+        spacing_m: f64,
+    },
     /// A straight piece.
     Wall {
         /// Distance of its ends, meters (P).
@@ -51,6 +58,8 @@ pub enum LandmarkKind {
         /// Covariance of distance and direction (distance², distance and direction, direction²) when the ranges have a
         /// variance of one: times the variance of a range it is that of the wall.
         unit_covariance: [f64; 3],
+        /// Root of the mean square of how far readings are from the line, meters.
+        unevenness_m: f64,
     },
 }
 
@@ -74,7 +83,7 @@ impl Landmark {
     pub fn extent_m(&self) -> Option<f64> {
         match self.kind {
             LandmarkKind::Discontinuity { jump_m, .. } => Some(jump_m),
-            LandmarkKind::Corner => None,
+            LandmarkKind::Corner { .. } => None,
             LandmarkKind::Wall { length_m, .. } => Some(length_m),
         }
     }
@@ -84,7 +93,7 @@ impl Landmark {
         match self.kind {
             LandmarkKind::Discontinuity { hidden: Side::Left, .. } => 'i',
             LandmarkKind::Discontinuity { hidden: Side::Right, .. } => 'd',
-            LandmarkKind::Corner => 'e',
+            LandmarkKind::Corner { .. } => 'e',
             LandmarkKind::Wall { .. } => 'p',
         }
     }

@@ -10,6 +10,7 @@ pub mod distance_field;
 pub mod generated_world;
 pub mod grid_poses;
 mod grid_size;
+pub mod landmark_model;
 pub mod landmarks;
 pub mod likelihood_field;
 pub mod log_file;

@@ -1,6 +1,8 @@
 //! Localizers of Rumbo.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod landmark_relaxation;
 pub mod odometry;
 pub mod particle_filter;
 pub mod recorded_pose;
+pub mod triangulation;

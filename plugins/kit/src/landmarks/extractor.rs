@@ -1,9 +1,11 @@
 //! From a scan to its landmarks, in one pass and in memory that is kept.
 
+mod circular;
+
 use super::corners::straight_pieces;
 use super::discontinuities::{Gap, gap_after};
 use super::hough::Hough;
-use super::least_squares::{Line, fitted, unit_covariance};
+use super::least_squares::{Line, fitted, unevenness_m, unit_covariance};
 use super::readings::{Reading, way};
 use super::{Landmark, LandmarkKind, LandmarkSettings, Side, WallFit};
 use rumbo_core::frames::wrap_angle;
@@ -27,6 +29,8 @@ pub struct Extractor {
     settings: LandmarkSettings,
     /// Bearings that `directions` were computed for.
     fan: Option<[f64; 2]>,
+    /// From one beam to the next, radians.
+    beam_step_rad: f64,
     directions: Vec<[f64; 2]>,
     readings: Vec<Reading>,
     pending: Vec<[usize; 2]>,
@@ -40,6 +44,7 @@ impl Extractor {
         Extractor {
             settings,
             fan: None,
+            beam_step_rad: 0.0,
             directions: Vec::new(),
             readings: Vec::new(),
             pending: Vec::new(),
@@ -57,19 +62,25 @@ impl Extractor {
             return &self.landmarks;
         }
         self.place_readings(fan, ranges_m);
+        self.beam_step_rad = fan.bearing_step_rad.abs();
+        self.collect(fan.max_range_m);
+        &self.landmarks
+    }
+
+    /// The landmarks of the readings that are in place.
+    fn collect(&mut self, reach_m: f64) {
         let mut first = 0;
         for idx in 0..self.readings.len() {
             let gap = gap_after(&self.readings, idx, &self.settings);
             if gap == Gap::None {
                 continue;
             }
-            self.add_straight_pieces([first, idx], fan);
+            self.add_straight_pieces([first, idx], reach_m);
             if gap == Gap::Jump {
                 self.add_discontinuity(idx);
             }
             first = idx + 1;
         }
-        &self.landmarks
     }
 
     /// What the last scan looked like.
@@ -116,33 +127,46 @@ impl Extractor {
     /// The nearer of two readings is the edge; what it belongs to hides what lies behind it.
     fn add_discontinuity(&mut self, idx: usize) {
         let Some([right, left]) = self.readings.get(idx..idx + 2) else { return };
+        let beside = if right.range_m > left.range_m { Some(idx + 2) } else { idx.checked_sub(1) };
         let (edge, hidden) =
             if right.range_m > left.range_m { (left, Side::Left) } else { (right, Side::Right) };
         let jump_m = (right.range_m - left.range_m).abs();
+        let beam_m = edge.range_m * self.beam_step_rad;
+        let next = beside.and_then(|idx| self.readings.get(idx)).filter(|reading| reading.is_valid());
+        let spacing_m = next.map_or(beam_m, |reading| apart(edge, reading).min(jump_m)).max(beam_m);
         self.landmarks.push(Landmark {
             distance_m: edge.range_m,
             bearing_rad: Self::bearing_rad(edge),
-            kind: LandmarkKind::Discontinuity { hidden, jump_m },
+            kind: LandmarkKind::Discontinuity { hidden, jump_m, spacing_m },
             beams: [idx as u32, idx as u32 + 1],
         });
     }
 
-    fn add_straight_pieces(&mut self, [first, last]: [usize; 2], fan: &BeamFan) {
+    fn add_straight_pieces(&mut self, [first, last]: [usize; 2], reach_m: f64) {
         let Self { settings, readings, pending, hough, landmarks, .. } = self;
         let corner_m = settings.corner_m;
         straight_pieces(readings, [first, last], corner_m, pending, |piece, [from, to]| {
-            if let Some(wall) = wall_of(piece, settings, hough, fan.max_range_m) {
+            if let Some(wall) = wall_of(piece, settings, hough, reach_m) {
                 landmarks.push(Landmark { beams: [from as u32, to as u32], ..wall });
             }
-            let corner = piece.last().filter(|_| to < last);
-            landmarks.extend(corner.map(|reading| Landmark {
-                distance_m: reading.range_m,
-                bearing_rad: Self::bearing_rad(reading),
-                kind: LandmarkKind::Corner,
+            let [.., before, corner] = piece else { return };
+            if to == last {
+                return;
+            }
+            let after = readings.get(to + 1).map_or(0.0, |after| apart(corner, after));
+            landmarks.push(Landmark {
+                distance_m: corner.range_m,
+                bearing_rad: Self::bearing_rad(corner),
+                kind: LandmarkKind::Corner { spacing_m: apart(before, corner).max(after) },
                 beams: [to as u32; 2],
-            }));
+            });
         });
     }
+}
+
+fn apart(a: &Reading, b: &Reading) -> f64 {
+    let [x, y] = way(a, b);
+    x.hypot(y)
 }
 
 /// The wall that a straight piece is, if it is long enough and has enough readings.
@@ -153,8 +177,7 @@ fn wall_of(
     reach_m: f64,
 ) -> Option<Landmark> {
     let [first, inner @ .., last] = piece else { return None };
-    let chord = way(first, last);
-    let length_m = chord[0].hypot(chord[1]);
+    let length_m = apart(first, last);
     if length_m <= settings.wall_m || inner.len() < settings.least_readings.max(2) {
         return None;
     }
@@ -166,10 +189,12 @@ fn wall_of(
             Line { distance_m: strongest.distance_m, bearing_rad: strongest.bearing_rad }
         }
     };
+    let unit_covariance = unit_covariance(inner, &line);
+    let unevenness_m = unevenness_m(inner, &line);
     Some(Landmark {
         distance_m: line.distance_m,
         bearing_rad: wrap_angle(line.bearing_rad),
-        kind: LandmarkKind::Wall { length_m, unit_covariance: unit_covariance(inner, &line) },
+        kind: LandmarkKind::Wall { length_m, unit_covariance, unevenness_m },
         beams: [0; 2],
     })
 }

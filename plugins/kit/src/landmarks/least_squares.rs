@@ -91,3 +91,11 @@ pub(super) fn unit_covariance(readings: &[Reading], line: &Line) -> [f64; 3] {
     // The wall turns about its middle, which lies `middle` beside the foot of the normal.
     [offset - 2.0 * middle * both + middle * middle * slope, middle * slope - both, slope]
 }
+
+/// Root of the mean square of distances from a line, meters.
+pub(super) fn unevenness_m(readings: &[Reading], line: &Line) -> f64 {
+    let (sin, cos) = line.bearing_rad.sin_cos();
+    let off = |reading: &Reading| reading.place[0] * cos + reading.place[1] * sin - line.distance_m;
+    let sum: f64 = readings.iter().map(|reading| off(reading).powi(2)).sum();
+    (sum / readings.len().max(1) as f64).sqrt()
+}

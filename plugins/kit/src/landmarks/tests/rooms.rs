@@ -116,3 +116,22 @@ fn thresholds_are_exclusive() {
     };
     assert_eq!((n_walls(6), n_walls(7)), (0, 1));
 }
+
+#[test]
+fn points_say_how_far_readings_beside_them_are_and_walls_how_uneven_they_are() {
+    let fan = half_turn(0.5);
+    let found = extract(LandmarkSettings::default(), &fan, &scan(&room(0.0), &fan, 361));
+    for mark in &found {
+        let beam_m = mark.distance_m * fan.bearing_step_rad;
+        match mark.kind {
+            // Seen askew, readings are farther apart than beams are.
+            LandmarkKind::Corner { spacing_m } => {
+                assert!(spacing_m > 1.5 * beam_m && spacing_m < 0.2, "{mark:?}")
+            }
+            LandmarkKind::Discontinuity { spacing_m, .. } => {
+                assert!(spacing_m >= beam_m && spacing_m < 2.0 * beam_m, "{mark:?}");
+            }
+            LandmarkKind::Wall { unevenness_m, .. } => assert!(unevenness_m < 1e-9, "{mark:?}"),
+        }
+    }
+}

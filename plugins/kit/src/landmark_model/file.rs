@@ -1,0 +1,188 @@
+//! A model on disk, so that it is built once for a map.
+//!
+//! Layout, little-endian: magic, version, fingerprint of the map and of everything that the model depends on, width,
+//! height, one byte a place, number of bands; of each band the numbers of its looks and of its list bytes, then looks, ends
+//! and lists; last the CRC-32 of everything before it. A file that is not whole, of another version or of another map is
+//! refused with its reason, and one that is accepted holds together.
+
+use super::band::Band;
+use super::build::{BAND_PLACES, LandmarkModel};
+use super::order::CellOrder;
+use super::surroundings::ModelSettings;
+use crate::GridSize;
+use crate::landmarks::WallFit;
+use rumbo_core::map::Grid;
+use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+const MAGIC: [u8; 8] = *b"RUMBOLMK";
+/// Goes up with every change of the layout or of what a model of the same map would hold.
+const VERSION: u32 = 1;
+/// No model of a map that can be loaded is larger, bytes.
+const MOST_BYTES: u64 = 4 << 30;
+
+/// Why a file is not the model that was asked for.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelFileError {
+    /// The system says no.
+    #[error("{0}")]
+    System(#[from] std::io::Error),
+    /// Another kind of file.
+    #[error("this is no landmark model")]
+    Foreign,
+    /// Written by another version.
+    #[error("its version is {found}, expected {VERSION}")]
+    Version {
+        /// The version.
+        found: u32,
+    },
+    /// It belongs to another map or other parameters.
+    #[error("it was made for another map or with other parameters")]
+    Stale,
+    /// A part is missing or changed.
+    #[error("it is damaged or cut off")]
+    Damaged,
+}
+
+/// What a model depends on, as one number: cells, size, and all settings.
+pub fn fingerprint(grid: &Grid, settings: &ModelSettings) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    hash.update(grid.width().to_le_bytes());
+    hash.update(grid.height().to_le_bytes());
+    let landmarks = &settings.landmarks;
+    let numbers = [
+        grid.resolution_m(),
+        settings.range_m,
+        landmarks.discontinuity_m,
+        landmarks.corner_m,
+        landmarks.wall_m,
+        landmarks.range_deviation_m,
+    ];
+    numbers.into_iter().for_each(|number| hash.update(number.to_le_bytes()));
+    let counts = [settings.n_rays as u64, landmarks.least_readings as u64];
+    counts.into_iter().for_each(|count| hash.update(count.to_le_bytes()));
+    let is_hough = landmarks.wall_fit == WallFit::Hough;
+    hash.update([u8::from(is_hough), u8::from(landmarks.spares_grazed_walls)]);
+    let classes: Vec<u8> = grid.cells.iter().map(|cell| grid.class_of(*cell) as u8).collect();
+    hash.update(classes);
+    hash.finalize().into()
+}
+
+/// Writes a model beside its place and then moves it there: others never see half of it.
+///
+/// # Errors
+/// What the system says.
+pub fn save_model(
+    path: &Path,
+    model: &LandmarkModel,
+    fingerprint: &[u8; 32],
+) -> Result<(), ModelFileError> {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+    let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+    let beside = path.with_added_extension(format!("{}-{number}.part", std::process::id()));
+    let written = File::create_new(&beside)
+        .and_then(|mut file| file.write_all(&bytes_of(model, fingerprint)).and_then(|()| file.sync_all()))
+        .and_then(|()| std::fs::rename(&beside, path));
+    if let Err(error) = written {
+        // What is left of it is of no use; that it cannot be removed says no more than the error itself.
+        let _ = std::fs::remove_file(&beside);
+        return Err(error.into());
+    }
+    Ok(())
+}
+
+/// Reads the model with this fingerprint.
+///
+/// # Errors
+/// Why the file is not that.
+pub fn load_model(path: &Path, fingerprint: &[u8; 32]) -> Result<LandmarkModel, ModelFileError> {
+    let file = File::open(path)?;
+    let found = file.metadata()?;
+    if !found.is_file() || found.len() > MOST_BYTES {
+        return Err(ModelFileError::Foreign);
+    }
+    let mut bytes = Vec::new();
+    file.take(MOST_BYTES).read_to_end(&mut bytes)?;
+    model_of(&bytes, fingerprint)
+}
+
+fn bytes_of(model: &LandmarkModel, fingerprint: &[u8; 32]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(model.n_bytes() + 128);
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(fingerprint);
+    let counts = [model.size.width, model.size.height].map(|n| (n as u32).to_le_bytes());
+    bytes.extend(counts.concat());
+    bytes.extend(&model.n_landmarks);
+    bytes.extend((model.bands.len() as u32).to_le_bytes());
+    for band in &model.bands {
+        bytes.extend((band.codes.len() as u32).to_le_bytes());
+        bytes.extend((band.lists.len() as u32).to_le_bytes());
+        band.codes.iter().chain(&band.ends).for_each(|number| bytes.extend(number.to_le_bytes()));
+        bytes.extend(&band.lists);
+    }
+    let checksum = crc32fast::hash(&bytes);
+    bytes.extend(checksum.to_le_bytes());
+    bytes
+}
+
+fn model_of(bytes: &[u8], fingerprint: &[u8; 32]) -> Result<LandmarkModel, ModelFileError> {
+    let mut rest = bytes;
+    if take(&mut rest, MAGIC.len()).is_none_or(|magic| magic != MAGIC) {
+        return Err(ModelFileError::Foreign);
+    }
+    let version = number(&mut rest).ok_or(ModelFileError::Damaged)?;
+    if version != VERSION {
+        return Err(ModelFileError::Version { found: version });
+    }
+    let (content, checksum) = bytes.split_last_chunk().ok_or(ModelFileError::Damaged)?;
+    if crc32fast::hash(content) != u32::from_le_bytes(*checksum) {
+        return Err(ModelFileError::Damaged);
+    }
+    if take(&mut rest, fingerprint.len()).is_none_or(|found| found != fingerprint) {
+        return Err(ModelFileError::Stale);
+    }
+    parts(rest).filter(is_sound).ok_or(ModelFileError::Damaged)
+}
+
+/// What stands between fingerprint and checksum.
+fn parts(mut rest: &[u8]) -> Option<LandmarkModel> {
+    let size = GridSize::new(number(&mut rest)? as usize, number(&mut rest)? as usize);
+    size.width.checked_mul(size.height)?;
+    let order = CellOrder::new(size);
+    let n_landmarks = take(&mut rest, order.n_places())?.to_vec();
+    let n_bands = number(&mut rest)? as usize;
+    let mut bands = Vec::new();
+    for _ in 0..n_bands {
+        let [n_codes, n_bytes] = [number(&mut rest)? as usize, number(&mut rest)? as usize];
+        let mut numbers = || {
+            let words = take(&mut rest, n_codes.checked_mul(4)?)?;
+            Some(words.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect::<Vec<u32>>())
+        };
+        let (codes, ends) = (numbers()?, numbers()?);
+        bands.push(Band { codes, ends, lists: take(&mut rest, n_bytes)?.to_vec() });
+    }
+    (rest.len() == size_of::<u32>()).then_some(LandmarkModel { size, order, n_landmarks, bands })
+}
+
+fn is_sound(model: &LandmarkModel) -> bool {
+    let cells_of_bands = model.n_landmarks.chunks(BAND_PLACES);
+    cells_of_bands.len() == model.bands.len()
+        && model.bands.iter().zip(cells_of_bands).all(|(band, cells)| band.is_sound(cells))
+}
+
+fn take<'b>(rest: &mut &'b [u8], n: usize) -> Option<&'b [u8]> {
+    let (taken, left) = rest.split_at_checked(n)?;
+    *rest = left;
+    Some(taken)
+}
+
+fn number(rest: &mut &[u8]) -> Option<u32> {
+    let (word, left) = rest.split_first_chunk()?;
+    *rest = left;
+    Some(u32::from_le_bytes(*word))
+}

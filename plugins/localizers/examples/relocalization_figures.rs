@@ -1,0 +1,64 @@
+//! Global localization on the three office maps by the protocol of S. Hernández Alamilla (2005), section 8.3: success, errors
+//! and cells after the filter.
+//!
+//! `cargo run --release -p rumbo-localizers --example relocalization_figures -- 300`
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]
+
+#[path = "../benches/relocalization_work/mod.rs"]
+mod relocalization_work;
+
+use relocalization_work::{Laser, Office, Outcome, trial};
+use rumbo_localizers::landmark_relaxation::{LandmarkRelaxationParams, NoiseParams};
+
+fn main() {
+    let n_trials = std::env::args().nth(1).map_or(300, |word| word.parse().expect("a number of trials"));
+    let maps: Vec<String> = std::env::args().skip(2).collect();
+    for thesis_mode in [false, true] {
+        let landmark_noise = Some(NoiseParams::default());
+        let params =
+            LandmarkRelaxationParams { thesis_mode, landmark_noise, ..LandmarkRelaxationParams::default() };
+        for name in ["5x5", "10x10", "20x20"] {
+            if !maps.is_empty() && !maps.iter().any(|map| map == name) {
+                continue;
+            }
+            let office = Office::named(name);
+            let known = office.knowledge(&params);
+            for has_boxes in [false, true] {
+                let run = |seed| trial(&office, &known, &params, &Laser::lms200(), has_boxes, seed);
+                let outcomes: Vec<Outcome> = (0..n_trials).map(run).collect();
+                tell(name, thesis_mode, has_boxes, known.model.n_bytes(), &outcomes);
+            }
+        }
+    }
+}
+
+fn tell(name: &str, thesis_mode: bool, has_boxes: bool, n_bytes: usize, outcomes: &[Outcome]) {
+    let count = |of: fn(&Outcome) -> bool| outcomes.iter().filter(|outcome| of(outcome)).count();
+    let found: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.is_success()).collect();
+    let quantile = |share: f64, of: fn(&Outcome) -> f64| {
+        let mut values: Vec<f64> = found.iter().map(|outcome| of(outcome)).collect();
+        values.sort_by(f64::total_cmp);
+        values.get((share * (values.len().max(1) - 1) as f64) as usize).copied().unwrap_or(f64::NAN)
+    };
+    let n = outcomes.len();
+    let mean_cells = outcomes.iter().map(|outcome| outcome.n_cells).sum::<usize>() as f64 / n as f64;
+    let mean_nees = found.iter().map(|outcome| outcome.nees).sum::<f64>() / found.len().max(1) as f64;
+    println!(
+        "{name:6} {} {}: {} of {n} found, {} wrong, {} ambiguous, {} nothing; position {:.4} m (95 % {:.4}), heading {:.2} deg \
+         (95 % {:.2}), error in terms of the covariance {mean_nees:.2}, {mean_cells:.1} cells, {:.2} MB",
+        if thesis_mode { "thesis " } else { "default" },
+        if has_boxes { "boxes   " } else { "as it is" },
+        found.len(),
+        count(Outcome::is_wrong),
+        count(|outcome| outcome.is_ambiguous),
+        count(|outcome| !outcome.is_found && !outcome.is_ambiguous),
+        quantile(0.5, |outcome| outcome.off_m),
+        quantile(0.95, |outcome| outcome.off_m),
+        quantile(0.5, |outcome| outcome.off_deg),
+        quantile(0.95, |outcome| outcome.off_deg),
+        n_bytes as f64 / 1e6,
+    );
+    for (seed, outcome) in outcomes.iter().enumerate().filter(|(_, outcome)| !outcome.is_success()).take(5) {
+        println!("       trial {seed}: {outcome:?}");
+    }
+}

@@ -1,0 +1,206 @@
+//! From scans all around to a verdict: where the robot is, or where it may be.
+//!
+//! Landmarks name the places; in contrast to the source, the scans then refine each of the best and have the last word: a
+//! place that they do not fit is not believed, and of places that they fit alike none is.
+
+use super::fit::{Fit, FitLimits};
+use super::matching::{Knowledge, MatchSettings, Matcher, Place, is_one};
+use super::panorama::{Panorama, union_of_landmarks};
+use super::refinement::{Refined, RefinementSettings, refine};
+use super::sighting::Sighting;
+use super::traced_beams::TracedBeams;
+use nalgebra::{Matrix3, Vector3};
+use rumbo_core::frames::{Pose2, is_finite2};
+use rumbo_core::rng::Rng;
+use rumbo_kit::landmarks::{Extractor, Landmark, LandmarkNoise};
+
+/// How places are found and judged.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LocatorSettings {
+    /// As in the source: landmarks of each scan by itself, no refinement, no judgment by the scans.
+    pub is_thesis: bool,
+    /// Model, filter and relaxation.
+    pub matching: MatchSettings,
+    /// Beyond the size of a cell.
+    pub refinement: RefinementSettings,
+    /// What a place must reach.
+    pub limits: FitLimits,
+    /// Noise on what is observed, for experiments.
+    pub noise: Option<LandmarkNoise>,
+}
+
+/// A place with what speaks for it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hypothesis {
+    /// The robot at the newest scan.
+    pub map_from_base: Pose2,
+    /// Covariance of x, y, heading in the map's axes.
+    pub covariance: Matrix3<f64>,
+    /// How much speaks for it, compared with others; not normalized.
+    pub score: f64,
+}
+
+/// What scans say.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Verdict {
+    /// The robot is there.
+    Found(Hypothesis),
+    /// Several places fit, best first.
+    Ambiguous(Vec<Hypothesis>),
+    /// No place fits.
+    Nothing,
+}
+
+/// Numbers of the last search.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Report {
+    /// Landmarks that were observed.
+    pub n_landmarks: usize,
+    /// Cells after the filter.
+    pub n_cells: usize,
+    /// Valid assignments of the best place.
+    pub n_matches: usize,
+    /// Their sum of squares, m².
+    pub squared_error_m2: f64,
+}
+
+/// Finds places; keeps its memory.
+#[derive(Debug)]
+pub struct Locator {
+    settings: LocatorSettings,
+    matcher: Matcher,
+    extractor: Extractor,
+    rng: Rng,
+    report: Report,
+}
+
+/// Beams all around that places are refined and judged by.
+const N_BEAMS: usize = 360;
+/// So many places are judged at most.
+const MOST_PLACES: usize = 16;
+/// Places with fewer matches than this share of the best are not judged.
+const LEAST_MATCH_SHARE: f64 = 0.7;
+/// Errors of two places differ by no more than this share when they are alike (section 10.5 of the method's description).
+const SAME_ERROR_SHARE: f64 = 0.2;
+/// A cell found without refinement: standard deviations of position (meters) and of the map's heading (radians).
+const CELL_DEVIATION: [f64; 2] = [0.035, 0.017];
+
+impl Locator {
+    /// A locator with these settings; `rng` is for noise on landmarks only.
+    pub fn new(settings: LocatorSettings, rng: Rng) -> Locator {
+        let matcher = Matcher::new(settings.matching);
+        let extractor = Extractor::new(settings.matching.model.landmarks);
+        Locator { settings, matcher, extractor, rng, report: Report::default() }
+    }
+
+    /// Numbers of the last search.
+    pub fn report(&self) -> Report {
+        self.report
+    }
+
+    /// How places are found.
+    pub fn settings(&self) -> &LocatorSettings {
+        &self.settings
+    }
+
+    /// Joins scans with the model's resolution.
+    pub fn panorama(&self, sightings: &[Sighting]) -> Panorama {
+        Panorama::of(sightings, self.settings.matching.model.n_rays)
+    }
+
+    /// Searches the whole map.
+    pub fn locate(&mut self, known: &Knowledge, sightings: &[Sighting]) -> Verdict {
+        let observed = self.observe(sightings);
+        let cells = self.matcher.cells(known, &observed);
+        let places = self.matcher.places(known, &cells, &observed);
+        self.report = Report {
+            n_landmarks: observed.len(),
+            n_cells: cells.len(),
+            n_matches: places.first().map_or(0, |place| place.n_matches),
+            squared_error_m2: places.first().map_or(0.0, |place| place.squared_error_m2),
+        };
+        if self.settings.is_thesis {
+            return by_landmarks(&places);
+        }
+        let most = places.first().map_or(0, |place| place.n_matches) as f64;
+        let is_good = |place: &&Place| place.n_matches as f64 >= LEAST_MATCH_SHARE * most;
+        let best = places.iter().take_while(is_good).take(MOST_PLACES);
+        self.judge(known, sightings, best.map(|place| place.map_from_base))
+    }
+
+    /// Judges known candidates by new scans.
+    pub fn judge(
+        &self,
+        known: &Knowledge,
+        sightings: &[Sighting],
+        poses: impl Iterator<Item = Pose2>,
+    ) -> Verdict {
+        let beams = TracedBeams::of(sightings, N_BEAMS);
+        let mut fitting: Vec<Hypothesis> =
+            poses.filter_map(|pose| self.judged(known, &beams, &pose)).collect();
+        fitting.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let mut apart: Vec<Hypothesis> = Vec::new();
+        for hypothesis in fitting {
+            let is_known = apart.iter().any(|better| is_one(&better.map_from_base, &hypothesis.map_from_base));
+            let is_worse =
+                apart.first().is_some_and(|best| hypothesis.score < best.score - self.settings.limits.alike);
+            if !is_known && !is_worse {
+                apart.push(hypothesis);
+            }
+        }
+        verdict(apart)
+    }
+
+    fn judged(&self, known: &Knowledge, beams: &TracedBeams, pose: &Pose2) -> Option<Hypothesis> {
+        let Refined { map_from_base, turns_rad, covariance } =
+            refine(known, beams, pose, &self.settings.refinement);
+        let fit = Fit::of(&beams.compare(known, &map_from_base, &turns_rad));
+        let is_sane = is_finite2(&map_from_base) && covariance.iter().all(|part| part.is_finite());
+        // A place that refinement leaves for another is not the place that was found.
+        let stays = is_one(pose, &map_from_base);
+        let fits = is_sane && stays && fit.is_within(&self.settings.limits);
+        fits.then(|| Hypothesis { map_from_base, covariance, score: fit.explained() })
+    }
+
+    fn observe(&mut self, sightings: &[Sighting]) -> Vec<Landmark> {
+        let reach_m = self.settings.matching.model.range_m;
+        let mut landmarks = if self.settings.is_thesis {
+            union_of_landmarks(sightings, &mut self.extractor)
+        } else {
+            self.panorama(sightings).landmarks(&mut self.extractor, reach_m)
+        };
+        if let Some(noise) = &self.settings.noise {
+            noise.disturb(&mut landmarks, &mut self.rng);
+        }
+        landmarks
+    }
+}
+
+/// The source's verdict: most matches, then the smallest error. Places that cannot be told apart by these are ambiguous.
+pub fn by_landmarks(places: &[Place]) -> Verdict {
+    let Some(best) = places.first() else { return Verdict::Nothing };
+    let is_alike = |place: &&Place| {
+        let most = best.squared_error_m2 * (1.0 + SAME_ERROR_SHARE) + f64::EPSILON;
+        place.n_matches == best.n_matches && place.squared_error_m2 <= most
+    };
+    let hypothesis = |place: &Place| {
+        let [place_m, map_rad] = CELL_DEVIATION;
+        let scatter_rad = place.heading_scatter_rad / (place.n_matches.max(1) as f64).sqrt();
+        let heading_rad = scatter_rad.hypot(map_rad);
+        let deviations = Vector3::new(place_m, place_m, heading_rad);
+        Hypothesis {
+            map_from_base: place.map_from_base,
+            covariance: Matrix3::from_diagonal(&deviations.component_mul(&deviations)),
+            score: 1.0 / (place.squared_error_m2 + 1e-4),
+        }
+    };
+    verdict(places.iter().take_while(is_alike).map(hypothesis).collect())
+}
+
+fn verdict(mut fitting: Vec<Hypothesis>) -> Verdict {
+    match fitting.len() {
+        0 => Verdict::Nothing,
+        1 => fitting.pop().map_or(Verdict::Nothing, Verdict::Found),
+        _ => Verdict::Ambiguous(fitting),
+    }
+}

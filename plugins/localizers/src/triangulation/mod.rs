@@ -1,0 +1,23 @@
+//! `triangulation`: follows a robot by natural landmarks. S. Hernández Alamilla, master's thesis (2005), chapter 5.
+//!
+//! Landmarks of a scan are related to those that the map lets expect at the pose by odometry; the pose that explains them
+//! best, weighed against the odometry, is the estimate. Thesis mode relates each scan to the one before, as the source
+//! does, and fuses estimates from pairs of landmarks. Read [`tracker`] first.
+
+mod params;
+mod plugin;
+
+pub mod all_pairs;
+pub mod correspondence;
+pub mod covariance;
+pub mod expected_scan;
+pub mod fusion;
+pub mod least_squares;
+pub mod pairs;
+pub mod quality;
+pub mod tracker;
+
+#[cfg(test)]
+mod tests;
+
+pub use params::{Estimator, TriangulationParams};
