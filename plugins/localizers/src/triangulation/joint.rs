@@ -1,20 +1,28 @@
-//! The pose together with the offsets of the places that it is found by: an iterated extended Kalman filter (Bell and
+//! The pose together with the errors of the odometer and the offsets of the places that it is found by: an iterated extended Kalman filter (Bell and
 //! Cathey 1993) over both, as in stochastic maps (Smith, Self and Cheeseman 1990). Not in the source, which fuses pairs
 //! with weights made by hand; here each landmark weighs what its errors allow, and errors of the map stay what they are
 //! however often a place is seen.
 
+use super::dead_reckoning::{Way, sigmas};
 use super::landmark_errors::LandmarkErrors;
 use super::mapped_marks::{MappedMark, MappedMarks, Slot};
 use super::sighting::{Residual, Sighting, offset_variances};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 use rumbo_core::frames::{Point2, Pose2, pose2, wrap_angle};
 
-/// Pose and offsets with their covariance.
+/// Where offsets begin in the state.
+const OFFSETS: usize = 6;
+
+/// Pose, odometer and offsets with their covariance.
 #[derive(Debug, Clone)]
 pub struct Joint {
     pose: Vector3<f64>,
+    /// Errors of the odometer that stay: distance (m/m), direction (rad/m), turn (rad/rad).
+    odometer: Vector3<f64>,
+    /// Something is known of them beyond what the odometer claims.
+    is_odometer_known: bool,
     marks: MappedMarks,
-    /// Of x, y, yaw, then of two numbers for each place.
+    /// Of x, y, yaw, then of the odometer's three errors, then of two numbers for each place.
     covariance: DMatrix<f64>,
 }
 
@@ -44,8 +52,15 @@ const SURE: f64 = 2.0;
 impl Joint {
     /// A pose and nothing else.
     pub fn new(map_from_base: &Pose2, covariance: &Matrix3<f64>) -> Joint {
-        let covariance = DMatrix::from_fn(3, 3, |row, col| covariance[(row, col)]);
-        Joint { pose: vector(map_from_base), marks: MappedMarks::default(), covariance }
+        let mut full = DMatrix::zeros(OFFSETS, OFFSETS);
+        full.fixed_view_mut::<3, 3>(0, 0).copy_from(covariance);
+        Joint {
+            pose: vector(map_from_base),
+            odometer: Vector3::zeros(),
+            is_odometer_known: false,
+            marks: MappedMarks::default(),
+            covariance: full,
+        }
     }
 
     /// Where the robot is.
@@ -63,19 +78,65 @@ impl Joint {
         &self.marks
     }
 
-    /// The robot moved to a pose, which is known as well as `covariance` says. How it moved says nothing about places.
-    pub fn carry(&mut self, map_from_base: &Pose2, covariance: &Matrix3<f64>) {
-        let way = map_from_base.translation.vector - self.pose.xy();
-        for col in 3..self.covariance.ncols() {
-            let by_yaw = self.covariance[(2, col)];
-            let moved = [-way.y * by_yaw, way.x * by_yaw];
-            for (row, by) in moved.into_iter().enumerate() {
-                self.covariance[(row, col)] += by;
-                self.covariance[(col, row)] = self.covariance[(row, col)];
-            }
+    /// Where the odometer leads that says `way` of the robot's motion, and how surely; it claims `noise` of itself.
+    pub fn carried(&self, way: &Pose2, noise: [f64; 3]) -> (Pose2, Matrix3<f64>) {
+        let told = self.told(way);
+        let mut cross = Matrix3::zeros();
+        let mut odometer = Matrix3::from_diagonal(&Vector3::from(sigmas(noise)).map(|sigma| sigma * sigma));
+        if self.is_odometer_known {
+            cross.copy_from(&self.covariance.fixed_view::<3, 3>(0, 3));
+            odometer.copy_from(&self.covariance.fixed_view::<3, 3>(3, 3));
         }
-        self.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(covariance);
-        self.pose = vector(map_from_base);
+        let (by_pose, by_errors) = (told.by_pose(), told.by_errors());
+        let mixed = by_pose * cross * by_errors.transpose();
+        let covariance = by_pose * self.pose_covariance() * by_pose.transpose()
+            + by_errors * odometer * by_errors.transpose()
+            + mixed
+            + mixed.transpose()
+            + told.new_errors(noise);
+        let pose = self.moved(way, &told);
+        (pose2(pose.x, pose.y, pose.z), (covariance + covariance.transpose()) / 2.0)
+    }
+
+    fn told(&self, way: &Pose2) -> Way {
+        let along = (self.map_from_base().rotation * way.translation.vector).xy();
+        Way { along, turn_rad: way.rotation.angle() }
+    }
+
+    fn moved(&self, way: &Pose2, told: &Way) -> Vector3<f64> {
+        vector(&(self.map_from_base() * way)) + told.by_errors() * self.odometer
+    }
+
+    /// The robot moved; see [`Joint::carried`].
+    pub fn carry(&mut self, way: &Pose2, noise: [f64; 3]) {
+        let told = self.told(way);
+        let variances = Vector3::from(sigmas(noise)).map(|sigma| sigma * sigma);
+        if !self.is_odometer_known {
+            self.is_odometer_known = true;
+            self.covariance.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::from_diagonal(&variances));
+        }
+        let covariance = self.carried(way, noise).1;
+        let pose = self.moved(way, &told);
+        let others = self.covariance.columns(3, self.covariance.ncols() - 3).into_owned();
+        let moved = told.by_pose() * others.fixed_rows::<3>(0) + told.by_errors() * others.fixed_rows::<3>(3);
+        self.covariance.fixed_rows_mut::<3>(0).columns_range_mut(3..).copy_from(&moved);
+        self.covariance.fixed_columns_mut::<3>(0).rows_range_mut(3..).copy_from(&moved.transpose());
+        self.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&covariance);
+        let kept = told.keeps();
+        for k in 3..OFFSETS {
+            self.covariance.row_mut(k).scale_mut(kept);
+            self.covariance.column_mut(k).scale_mut(kept);
+            self.covariance[(k, k)] += (1.0 - kept * kept) * variances[k - 3];
+        }
+        self.odometer *= kept;
+        self.pose = pose;
+    }
+
+    /// The robot may have moved this far in any direction, or turned, without anybody knowing.
+    pub fn widen(&mut self, reach_m: f64, turn_rad: f64) {
+        for (k, by) in [reach_m, reach_m, turn_rad].into_iter().enumerate() {
+            self.covariance[(k, k)] += by * by;
+        }
     }
 
     /// Finds a place or adds it; gives its number and its pivot. Without a number all are taken.
@@ -104,7 +165,7 @@ impl Joint {
 
     /// Nothing is known of this offset but what the map promises.
     fn forget(&mut self, idx: usize, mapped: &MappedMark, errors: &LandmarkErrors) {
-        let at = 3 + 2 * idx;
+        let at = OFFSETS + 2 * idx;
         for k in at..at + 2 {
             self.covariance.row_mut(k).fill(0.0);
             self.covariance.column_mut(k).fill(0.0);
@@ -116,7 +177,7 @@ impl Joint {
 
     fn state(&self) -> DVector<f64> {
         let offsets = self.marks.all().iter().flat_map(|mark| [mark.offset.x, mark.offset.y]);
-        let parts: Vec<f64> = self.pose.iter().copied().chain(offsets).collect();
+        let parts: Vec<f64> = self.pose.iter().chain(&self.odometer).copied().chain(offsets).collect();
         DVector::from_vec(parts)
     }
 
@@ -172,7 +233,8 @@ impl Joint {
     pub fn accept(&mut self, posterior: Posterior) {
         let Posterior { state, covariance, .. } = posterior;
         self.pose = Vector3::new(state[0], state[1], wrap_angle(state[2]));
-        self.marks.set_offsets((3..state.len()).step_by(2).map(|at| Vector2::new(state[at], state[at + 1])));
+        self.odometer = state.fixed_rows::<3>(3).into_owned();
+        self.marks.set_offsets((OFFSETS..state.len()).step_by(2).map(|at| Vector2::new(state[at], state[at + 1])));
         self.covariance = (&covariance + covariance.transpose()) / 2.0;
     }
 
@@ -192,7 +254,7 @@ impl Joint {
             let Residual { off, by_pose, by_offset } = residual(sighting, state, base_from_sensor);
             by_state.fixed_view_mut::<2, 3>(2 * k, 0).copy_from(&by_pose);
             let mut ahead = off + by_pose * moved.fixed_rows::<3>(0);
-            if let Some(at) = sighting.slot.map(|slot| 3 + 2 * slot) {
+            if let Some(at) = sighting.slot.map(|slot| OFFSETS + 2 * slot) {
                 by_state.fixed_view_mut::<2, 2>(2 * k, at).copy_from(&by_offset);
                 ahead += by_offset * moved.fixed_rows::<2>(at);
             }
@@ -237,7 +299,7 @@ fn vector(pose: &Pose2) -> Vector3<f64> {
 fn residual(sighting: &Sighting, state: &DVector<f64>, base_from_sensor: &Pose2) -> Residual {
     let pose = state.fixed_rows::<3>(0).into_owned();
     let offset =
-        sighting.slot.map_or(Vector2::zeros(), |slot| state.fixed_rows::<2>(3 + 2 * slot).into_owned());
+        sighting.slot.map_or(Vector2::zeros(), |slot| state.fixed_rows::<2>(OFFSETS + 2 * slot).into_owned());
     sighting.residual(&pose, &offset, base_from_sensor)
 }
 

@@ -13,6 +13,7 @@ pub mod all_pairs;
 pub mod between_scans;
 pub mod correspondence;
 pub mod covariance;
+pub mod dead_reckoning;
 pub mod expected_scan;
 pub mod explained;
 pub mod fusion;

@@ -53,26 +53,40 @@ impl OnMap {
         }
     }
 
-    /// The robot, and how far the map is off.
-    pub fn joint(&self) -> &Joint {
-        &self.joint
+    /// Where the odometer leads; see [`Joint::carried`].
+    pub fn carried(&self, way: &Pose2, noise: [f64; 3]) -> (Pose2, Matrix3<f64>) {
+        self.joint.carried(way, noise)
     }
 
-    /// The landmarks of `seen`, a scan, say where the robot is; by odometry it is at a pose that is known so well.
+    /// The robot moved; see [`Joint::carry`].
+    pub fn carry(&mut self, way: &Pose2, noise: [f64; 3]) {
+        self.joint.carry(way, noise);
+    }
+
+    /// The robot may have moved; see [`Joint::widen`].
+    pub fn widen(&mut self, [reach_m, turn_rad]: [f64; 2]) {
+        self.joint.widen(reach_m, turn_rad);
+    }
+
+    /// The landmarks of `seen`, a scan, say where the robot is, of which the odometer says that it moved by `way`.
     pub fn look(
         &mut self,
         scan: &SeenScan<'_>,
         seen: &[Landmark],
-        predicted: (Pose2, Matrix3<f64>),
+        (way, noise): (&Pose2, [f64; 3]),
         map: (u64, &Grid),
     ) -> Found {
         self.n_scans += 1;
-        let found = match self.settings.pairs {
-            Some(rules) => self.by_pairs(scan, seen, predicted, map, &rules),
+        self.joint.carry(way, noise);
+        let (predicted, covariance) = (self.joint.map_from_base(), self.joint.pose_covariance());
+        match self.settings.pairs {
+            Some(rules) => {
+                let found = self.by_pairs(scan, seen, (predicted, covariance), map, &rules);
+                self.joint = Joint::new(&found.map_from_base, &found.covariance);
+                found
+            }
             None => self.by_all(scan, seen, predicted, map),
-        };
-        self.joint.carry(&found.map_from_base, &found.covariance);
-        found
+        }
     }
 
     /// Landmarks that the map lets expect from a place of the sensor, and the share of the scan that it explains.
@@ -118,12 +132,11 @@ impl OnMap {
         &mut self,
         scan: &SeenScan<'_>,
         seen: &[Landmark],
-        (predicted, covariance): (Pose2, Matrix3<f64>),
+        predicted: Pose2,
         map: (u64, &Grid),
     ) -> Found {
         let errors = self.settings.errors.on_cells_of(map.1.resolution_m());
-        self.joint.carry(&predicted, &covariance);
-        let mut found = Found::by_odometry(predicted, covariance, 0);
+        let mut found = Found::by_odometry(predicted, self.joint.pose_covariance(), 0);
         let mut pose = Vector3::new(
             predicted.translation.x,
             predicted.translation.y,
@@ -166,10 +179,7 @@ impl OnMap {
     /// The pose may be off by as much as landmarks are looked for.
     fn doubt(&mut self) {
         let within = &self.settings.within;
-        let more = Vector3::new(within.search_m, within.search_m, within.angle_rad).map(|v| (v / 2.0).powi(2));
-        let covariance = self.joint.pose_covariance() + Matrix3::from_diagonal(&more);
-        let pose = self.joint.map_from_base();
-        self.joint.carry(&pose, &covariance);
+        self.joint.widen(within.search_m / 2.0, within.angle_rad / 2.0);
     }
 
     fn sightings(

@@ -2,6 +2,7 @@
 
 use super::between_scans::look_back;
 use super::correspondence::Tolerances;
+use super::dead_reckoning::sigmas;
 use super::landmark_errors::LandmarkErrors;
 use super::on_map::OnMap;
 use super::quality::Weighting;
@@ -85,8 +86,6 @@ pub struct Tracker {
     report: Report,
 }
 
-/// The odometer is never better than this, whatever it claims: m/m, rad/m, rad/rad.
-const LEAST_NOISE: [f64; 3] = [0.005, 0.002, 0.005];
 /// A robot that moved less than this since the last scan has nothing new to see, meters and radians.
 const LEAST_MOTION: [f64; 2] = [0.02, 0.01];
 
@@ -121,6 +120,9 @@ impl Tracker {
     /// Where the robot is when the odometer says this, and how surely; `noise` is what the odometer claims of itself.
     pub fn carried_to(&self, odom_from_base: &Pose2, noise: [f64; 3]) -> (Pose2, Matrix3<f64>) {
         let way = self.anchor.odom_from_base.inverse() * odom_from_base;
+        if self.settings.by_map {
+            return self.on_map.carried(&way, noise);
+        }
         let mut unsure = Uncertainty::new(self.anchor.covariance);
         grow(&mut unsure, &self.anchor.map_from_base, &way, noise);
         (self.anchor.map_from_base * way, unsure.covariance())
@@ -131,6 +133,8 @@ impl Tracker {
         let (map_from_base, covariance) = self.carried_to(old, noise);
         let mut unsure = Uncertainty::new(covariance);
         unsure.widen(reach[0], reach[1]);
+        self.on_map.carry(&(self.anchor.odom_from_base.inverse() * old), noise);
+        self.on_map.widen(reach);
         self.anchor = Anchor { map_from_base, covariance: unsure.covariance(), odom_from_base: *new };
         self.known.clear();
     }
@@ -163,7 +167,10 @@ impl Tracker {
                 let odometry = (&self.anchor, odom_from_base, noise);
                 look_back(scan, (&self.known, &seen), odometry, (&self.settings, rules))
             }
-            (_, Some(map)) => self.on_map.look(scan, &seen, self.carried_to(odom_from_base, noise), map),
+            (_, Some(map)) => {
+                let way = self.anchor.odom_from_base.inverse() * odom_from_base;
+                self.on_map.look(scan, &seen, (&way, noise), map)
+            }
             _ => {
                 let (map_from_base, covariance) = self.carried_to(odom_from_base, noise);
                 Found::by_odometry(map_from_base, covariance, 0)
@@ -185,7 +192,6 @@ impl Tracker {
 
 /// The odometer's errors on a way from a pose.
 pub fn grow(unsure: &mut Uncertainty, map_from_base: &Pose2, way: &Pose2, noise: [f64; 3]) {
-    let noise = [0, 1, 2].map(|k| noise[k].abs().max(LEAST_NOISE[k]));
     let along = map_from_base.rotation * way.translation.vector;
-    unsure.advance(along, way.rotation.angle(), noise, ErrorGrowth::Constant);
+    unsure.advance(along, way.rotation.angle(), sigmas(noise), ErrorGrowth::Constant);
 }
