@@ -25,8 +25,7 @@ pub fn look_back(
     let a_from_b = base.inverse() * way * base;
     let odometry = Solution { a_from_b, covariance: in_axes_of(&base, &unsure.covariance()) };
     let relations = relate(known, seen, &a_from_b, &settings.within);
-    let by_landmarks =
-        by_pairs(&relations, &odometry, rules).filter(|_| relations.len() >= LEAST_RELATED);
+    let by_landmarks = by_pairs(&relations, &odometry, rules).filter(|_| relations.len() >= LEAST_RELATED);
     let n_estimates = by_landmarks.as_ref().map_or(0, |found| found.n_estimates);
     let solution = by_landmarks.map_or(odometry, |ByPairs { solution, .. }| solution);
     let map_from_a = anchor.map_from_base * base;

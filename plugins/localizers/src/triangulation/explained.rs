@@ -8,7 +8,12 @@ const LEAST_BEAMS: usize = 20;
 
 /// Share of the beams with a reading that meet what the map lets expect, or meet something where the map has a wall. None
 /// if the map says nothing on most: `expected` is not-a-number where nobody knows and infinite where nothing is met.
-pub fn explained_share(expected_m: &[f64], seen_m: &[f32], min_range_m: f64, max_range_m: f64) -> Option<f64> {
+pub fn explained_share(
+    expected_m: &[f64],
+    seen_m: &[f32],
+    min_range_m: f64,
+    max_range_m: f64,
+) -> Option<f64> {
     let (mut n, mut n_explained) = (0_usize, 0_usize);
     for (expected, seen) in expected_m.iter().zip(seen_m) {
         let seen = f64::from(*seen);

@@ -234,7 +234,8 @@ impl Joint {
         let Posterior { state, covariance, .. } = posterior;
         self.pose = Vector3::new(state[0], state[1], wrap_angle(state[2]));
         self.odometer = state.fixed_rows::<3>(3).into_owned();
-        self.marks.set_offsets((OFFSETS..state.len()).step_by(2).map(|at| Vector2::new(state[at], state[at + 1])));
+        self.marks
+            .set_offsets((OFFSETS..state.len()).step_by(2).map(|at| Vector2::new(state[at], state[at + 1])));
         self.covariance = (&covariance + covariance.transpose()) / 2.0;
     }
 
@@ -305,7 +306,5 @@ fn residual(sighting: &Sighting, state: &DVector<f64>, base_from_sensor: &Pose2)
 
 /// How many standard deviations off; without bound where the covariance is none.
 fn deviations(off: &Vector2<f64>, covariance: &Matrix2<f64>) -> f64 {
-    covariance
-        .try_inverse()
-        .map_or(f64::INFINITY, |inverse| off.dot(&(inverse * off)).max(0.0).sqrt())
+    covariance.try_inverse().map_or(f64::INFINITY, |inverse| off.dot(&(inverse * off)).max(0.0).sqrt())
 }

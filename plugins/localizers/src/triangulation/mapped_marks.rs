@@ -73,7 +73,11 @@ impl MappedMark {
     }
 
     fn distance_m(&self, other: &MappedMark) -> f64 {
-        if self.is_wall { self.along_across(&other.place)[1].abs() } else { (self.place - other.place).norm() }
+        if self.is_wall {
+            self.along_across(&other.place)[1].abs()
+        } else {
+            (self.place - other.place).norm()
+        }
     }
 
     fn extend(&mut self, other: &MappedMark) {
@@ -138,9 +142,8 @@ impl MappedMarks {
     /// Finds what was seen in scan number `scan` among the known places, or adds it.
     pub fn find_or_add(&mut self, mapped: MappedMark, scan: u64) -> Slot {
         let known = self.marks.iter().enumerate().filter(|(_, mark)| mark.mapped.is_same(&mapped));
-        let nearest = known.min_by(|(_, a), (_, b)| {
-            a.mapped.distance_m(&mapped).total_cmp(&b.mapped.distance_m(&mapped))
-        });
+        let nearest = known
+            .min_by(|(_, a), (_, b)| a.mapped.distance_m(&mapped).total_cmp(&b.mapped.distance_m(&mapped)));
         if let Some(idx) = nearest.map(|(idx, _)| idx)
             && let Some(mark) = self.marks.get_mut(idx)
         {

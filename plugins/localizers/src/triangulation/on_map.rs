@@ -137,11 +137,8 @@ impl OnMap {
     ) -> Found {
         let errors = self.settings.errors.on_cells_of(map.1.resolution_m());
         let mut found = Found::by_odometry(predicted, self.joint.pose_covariance(), 0);
-        let mut pose = Vector3::new(
-            predicted.translation.x,
-            predicted.translation.y,
-            predicted.rotation.angle(),
-        );
+        let mut pose =
+            Vector3::new(predicted.translation.x, predicted.translation.y, predicted.rotation.angle());
         let mut accepted: Option<Posterior> = None;
         for _ in 0..N_LOOKS {
             let map_from_sensor = pose2(pose.x, pose.y, pose.z) * scan.base_from_sensor;

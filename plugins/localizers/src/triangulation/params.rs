@@ -1,8 +1,8 @@
 //! Parameters of tracking by natural landmarks.
 
 use super::correspondence::Tolerances;
-use super::quality::Weighting;
 use super::landmark_errors::LandmarkErrors;
+use super::quality::Weighting;
 use super::tracker::{PairRules, TrackerSettings};
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
@@ -160,7 +160,11 @@ impl Params for TriangulationParams {
 
 impl LandmarkNoiseParams {
     fn faults(&self) -> Vec<BuildError> {
-        let ranges = [("share", self.share, 1.0), ("distance_m", self.distance_m, 1.0), ("bearing_deg", self.bearing_deg, 180.0)];
+        let ranges = [
+            ("share", self.share, 1.0),
+            ("distance_m", self.distance_m, 1.0),
+            ("bearing_deg", self.bearing_deg, 180.0),
+        ];
         let bad = ranges.into_iter().filter(|(_, value, most)| !(0.0..=*most).contains(value));
         bad.map(|(key, value, most)| {
             BuildError::at(format!("landmark_noise.{key}"), format!("is {value}, expected 0 to {most}"))

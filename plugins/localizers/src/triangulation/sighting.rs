@@ -50,12 +50,7 @@ impl Sighting {
     }
 
     /// At a pose of the robot (x, y, yaw) and an offset of the place.
-    pub fn residual(
-        &self,
-        pose: &Vector3<f64>,
-        offset: &Vector2<f64>,
-        base_from_sensor: &Pose2,
-    ) -> Residual {
+    pub fn residual(&self, pose: &Vector3<f64>, offset: &Vector2<f64>, base_from_sensor: &Pose2) -> Residual {
         let map_from_sensor = pose2(pose.x, pose.y, pose.z) * base_from_sensor;
         let yaw = map_from_sensor.rotation.angle();
         let sensor = Point2::from(map_from_sensor.translation.vector);

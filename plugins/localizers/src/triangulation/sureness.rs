@@ -56,8 +56,7 @@ impl Sureness {
             let is_unlike = share < self.rules.least_explained;
             self.n_unlike = if is_unlike { self.n_unlike.saturating_add(1) } else { 0 };
         }
-        let is_adrift =
-            self.n_starved >= LOST_AFTER_STARVED && look.deviation_m > self.rules.deviation_m;
+        let is_adrift = self.n_starved >= LOST_AFTER_STARVED && look.deviation_m > self.rules.deviation_m;
         self.is_lost |= is_adrift || self.n_unlike >= LOST_AFTER_UNLIKE;
     }
 

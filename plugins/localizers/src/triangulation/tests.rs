@@ -81,4 +81,3 @@ fn what_walks_by_is_dropped_and_what_stands_kept() {
     keep_consistent(&mut walls, &WITHIN);
     assert_eq!(walls.len(), 2);
 }
-

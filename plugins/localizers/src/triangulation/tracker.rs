@@ -92,8 +92,10 @@ const LEAST_MOTION: [f64; 2] = [0.02, 0.01];
 impl Tracker {
     /// Begins at a pose. `rng` feeds the noise of experiments.
     pub fn new(settings: TrackerSettings, anchor: Anchor, rng: Rng) -> Tracker {
-        let rules =
-            SurenessRules { deviation_m: settings.within.search_m, least_explained: settings.least_explained };
+        let rules = SurenessRules {
+            deviation_m: settings.within.search_m,
+            least_explained: settings.least_explained,
+        };
         Tracker {
             settings,
             anchor,

@@ -93,6 +93,8 @@ pub struct Outcome {
     pub worst_m: f64,
     /// Squared errors in terms of the claimed covariance, at every tenth scan.
     pub nees: Vec<f64>,
+    /// The same of the heading alone.
+    pub yaw_nees: Vec<f64>,
     /// Relations and estimates of all scans that were looked at, and how many these are.
     pub counts: [usize; 3],
     /// Scans with too few landmarks.
@@ -150,10 +152,8 @@ pub fn drive(
         let normal: f64 = StandardNormal.sample(&mut rng);
         if hardship.start_is_off { sd * normal } else { 0.0 }
     });
-    let told = Pose2::new(
-        route[0].translation.vector + Vector3::from(off).xy(),
-        route[0].rotation.angle() + off[2],
-    );
+    let told =
+        Pose2::new(route[0].translation.vector + Vector3::from(off).xy(), route[0].rotation.angle() + off[2]);
     let mut odom_from_base = Pose2::identity();
     let anchor = Anchor { map_from_base: told, covariance, odom_from_base };
     let mut tracker = Tracker::new(*settings, anchor, stream(seed, "landmarks"));
@@ -180,6 +180,7 @@ pub fn drive(
         outcome.worst_m = outcome.worst_m.max(off[0].hypot(off[1]));
         if k % 10 == 9 {
             let off = Vector3::new(off[0], off[1], off[2].to_radians());
+            outcome.yaw_nees.push(off.z.powi(2) / covariance[(2, 2)]);
             outcome.nees.push(off.dot(&(covariance.try_inverse().unwrap() * off)));
         }
         outcome.end = off;

@@ -76,8 +76,11 @@ impl Office {
                 }
             }
             let mut face = |cells: usize| cells as f64 * CELL_M + off_m();
-            let low = [face(column), face(size.height - line - height)];
-            let high = [face(column + width), face(size.height - line)];
+            // A door goes through the whole wall, wherever its faces are.
+            let beyond = |n: usize| if value == 0 && n <= 3 { CELL_M } else { 0.0 };
+            let (beside, above) = (beyond(width), beyond(height));
+            let low = [face(column) - beside, face(size.height - line - height) - above];
+            let high = [face(column + width) + beside, face(size.height - line) + above];
             blocks.push(Block { low, high, is_solid: value == 1 });
         }
         let n_occupied = occupied.iter().filter(|cell| **cell == 1).count();
