@@ -2,24 +2,40 @@
 
 use super::correspondence::Relation;
 use super::fusion::{ODOMETRY_WEIGHT, circular_mean, drop_far, median, turns, weighted_mean};
-use super::least_squares::Solution;
 use super::pairs::pair_estimate;
-use super::quality::{Weighting, weight};
-use nalgebra::{Matrix2, Vector2};
-use rumbo_core::frames::{pose2, wrap_angle};
+use super::quality::weight;
+use super::tracker::PairRules;
+use nalgebra::{Matrix2, Matrix3, Vector2};
+use rumbo_core::frames::{Pose2, pose2, wrap_angle};
 
 /// Error of positions by pairs that their agreement does not show, meters: all share the errors of the same scan.
 const COMMON_ERROR_M: f64 = 0.01;
 
+/// A pose with its covariance of x, y, yaw.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Solution {
+    /// The later place seen from the earlier.
+    pub a_from_b: Pose2,
+    /// In the axes of the earlier place.
+    pub covariance: Matrix3<f64>,
+}
+
+/// A pose by pairs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ByPairs {
+    /// The pose.
+    pub solution: Solution,
+    /// Pairs that it was made from.
+    pub n_estimates: usize,
+}
+
 /// The source's estimate: all pairs and the odometry. Its covariance is the scatter of the pairs; they share landmarks, so
-/// that many of them know little more than one. `within_m` is how far from the median an estimate may be; with it the
-/// heading is a median as well, without it a mean. None where neither odometry nor landmarks say anything of the heading.
+/// that many of them know little more than one. None where neither odometry nor landmarks say anything of the heading.
 pub fn by_pairs(
     relations: &[Relation],
     odometry: &Solution,
-    weighting: Weighting,
-    within_m: Option<f64>,
-) -> Option<Solution> {
+    &PairRules { weighting, within_m }: &PairRules,
+) -> Option<ByPairs> {
     let by_odometry = [odometry.a_from_b.translation.x, odometry.a_from_b.translation.y];
     let mut estimates = Vec::new();
     for (idx, a) in relations.iter().enumerate() {
@@ -27,7 +43,7 @@ pub fn by_pairs(
         estimates
             .extend(pairs.map(|pair| (pair.position, weight(&pair, weighting))).filter(|(_, w)| *w > 0.0));
     }
-    let has_position = !estimates.is_empty();
+    let n_estimates = estimates.len();
     estimates.push((by_odometry, ODOMETRY_WEIGHT));
     if let Some(within_m) = within_m {
         drop_far(&mut estimates, within_m);
@@ -41,7 +57,7 @@ pub fn by_pairs(
         None => circular_mean(&turns)?,
     };
     let mut covariance = odometry.covariance;
-    if has_position {
+    if n_estimates > 0 {
         let total: f64 = estimates.iter().map(|(_, weight)| weight).sum();
         let mut scatter = Matrix2::identity() * COMMON_ERROR_M.powi(2);
         for (place, weight) in &estimates {
@@ -58,5 +74,6 @@ pub fn by_pairs(
         covariance.fill_column(2, 0.0);
         covariance[(2, 2)] = square / turns.len() as f64 + 1e-6;
     }
-    Some(Solution { a_from_b: pose2(x, y, wrap_angle(yaw)), covariance })
+    let solution = Solution { a_from_b: pose2(x, y, wrap_angle(yaw)), covariance };
+    Some(ByPairs { solution, n_estimates })
 }

@@ -7,17 +7,27 @@
 mod params;
 mod plugin;
 
+pub mod tracker;
+
 pub mod all_pairs;
+pub mod between_scans;
 pub mod correspondence;
 pub mod covariance;
+pub mod dead_reckoning;
 pub mod expected_scan;
+pub mod explained;
 pub mod fusion;
-pub mod least_squares;
+pub mod joint;
+pub mod landmark_errors;
+pub mod mapped_marks;
+pub mod on_map;
 pub mod pairs;
 pub mod quality;
-pub mod tracker;
+pub mod scan;
+pub mod sighting;
+pub mod sureness;
 
 #[cfg(test)]
 mod tests;
 
-pub use params::{Estimator, TriangulationParams};
+pub use params::{Estimator, LandmarkNoiseParams, TriangulationParams};

@@ -1,12 +1,13 @@
 //! Parameters of tracking by natural landmarks.
 
 use super::correspondence::Tolerances;
+use super::landmark_errors::LandmarkErrors;
 use super::quality::Weighting;
-use super::tracker::{Method, TrackerSettings};
+use super::tracker::{PairRules, TrackerSettings};
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
 use rumbo_core::time::Span;
-use rumbo_kit::landmarks::{LandmarkSettings, WallFit};
+use rumbo_kit::landmarks::{LandmarkNoise, LandmarkSettings, WallFit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +20,24 @@ pub enum Estimator {
     LeastSquares,
     /// Triangulation by all pairs of landmarks, weighed by the quality of each pair.
     Pairs,
+}
+
+/// Noise on landmarks, uniform in distance and bearing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct LandmarkNoiseParams {
+    /// Each landmark has noise with this probability; both parts at once.
+    pub share: f64,
+    /// Largest error of the distance, meters.
+    pub distance_m: f64,
+    /// Largest error of the bearing, degrees.
+    pub bearing_deg: f64,
+}
+
+impl Default for LandmarkNoiseParams {
+    fn default() -> Self {
+        LandmarkNoiseParams { share: 0.2, distance_m: 0.02, bearing_deg: 5.0 }
+    }
 }
 
 /// Follows a robot from a known start by natural landmarks of a planar laser: discontinuities, corners and walls are
@@ -55,13 +74,22 @@ pub struct TriangulationParams {
     pub median_m: f64,
     /// Standard deviation of the laser's ranges, meters.
     pub range_deviation_m: f64,
-    /// Standard deviation of the distance of walls on the map, meters.
+    /// Standard deviation of places of walls on the map, meters, beyond what its cells leave open: that a wall may begin
+    /// anywhere in its cell is taken into account by itself.
     pub map_deviation_m: f64,
-    /// The same for their directions, degrees.
+    /// The same for directions of walls, degrees.
     pub map_deviation_deg: f64,
     /// Two readings of the odometer farther apart than this, beyond what the robot can drive in between, are a jump,
     /// meters: the pose stays, and is less sure.
     pub jump_m: f64,
+    /// A scan that agrees with the map on a smaller share of its beams is unlike it; after 20 such scans in a row the robot
+    /// counts as lost.
+    pub least_explained: f64,
+    /// Noise on the landmarks that are seen, as in the experiments of the source, such as
+    /// `{ share = 0.2, distance_m = 0.02, bearing_deg = 5.0 }`; without it they are left as they are. For experiments
+    /// only: it makes a good laser worse.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub landmark_noise: Option<LandmarkNoiseParams>,
 }
 
 impl Default for TriangulationParams {
@@ -83,6 +111,8 @@ impl Default for TriangulationParams {
             map_deviation_m: 0.005,
             map_deviation_deg: 0.2,
             jump_m: 1.0,
+            least_explained: 0.3,
+            landmark_noise: None,
         }
     }
 }
@@ -119,7 +149,27 @@ impl Params for TriangulationParams {
             let found = format!("is {}, expected at least 0 and less than 1", self.least_sine);
             faults.push(BuildError::at("least_sine", found));
         }
+        if !(0.0..1.0).contains(&self.least_explained) {
+            let found = format!("is {}, expected at least 0 and less than 1", self.least_explained);
+            faults.push(BuildError::at("least_explained", found));
+        }
+        faults.extend(self.landmark_noise.iter().flat_map(LandmarkNoiseParams::faults));
         faults
+    }
+}
+
+impl LandmarkNoiseParams {
+    fn faults(&self) -> Vec<BuildError> {
+        let ranges = [
+            ("share", self.share, 1.0),
+            ("distance_m", self.distance_m, 1.0),
+            ("bearing_deg", self.bearing_deg, 180.0),
+        ];
+        let bad = ranges.into_iter().filter(|(_, value, most)| !(0.0..=*most).contains(value));
+        bad.map(|(key, value, most)| {
+            BuildError::at(format!("landmark_noise.{key}"), format!("is {value}, expected 0 to {most}"))
+        })
+        .collect()
     }
 }
 
@@ -130,13 +180,13 @@ impl TriangulationParams {
     /// What the tracker needs to know.
     pub fn settings(&self) -> TrackerSettings {
         let is_better = !self.thesis_mode;
-        let weighting = match is_better {
-            true => Weighting::Product { least_sine: self.least_sine },
-            false => Weighting::Mean,
-        };
-        let method = match self.estimator {
-            Estimator::LeastSquares if is_better => Method::LeastSquares,
-            _ => Method::Pairs { weighting, within_m: is_better.then_some(self.median_m) },
+        let pairs = match (is_better, self.estimator) {
+            (false, _) => Some(PairRules { weighting: Weighting::Mean, within_m: None }),
+            (true, Estimator::LeastSquares) => None,
+            (true, Estimator::Pairs) => Some(PairRules {
+                weighting: Weighting::Product { least_sine: self.least_sine },
+                within_m: Some(self.median_m),
+            }),
         };
         TrackerSettings {
             landmarks: LandmarkSettings {
@@ -153,10 +203,20 @@ impl TriangulationParams {
                 distance_m: self.consistent_m,
                 angle_rad: self.consistent_deg.to_radians(),
             },
-            method,
+            pairs,
             by_map: is_better,
             period: Span::from_secs(if is_better { self.period_s } else { Self::THESIS_PERIOD_S }),
-            map_deviation: [self.map_deviation_m, self.map_deviation_deg.to_radians()],
+            errors: LandmarkErrors {
+                range_m: self.range_deviation_m,
+                map_m: self.map_deviation_m,
+                map_rad: self.map_deviation_deg.to_radians(),
+            },
+            noise: self.landmark_noise.map(|noise| LandmarkNoise {
+                share: noise.share,
+                distance_m: noise.distance_m,
+                bearing_rad: noise.bearing_deg.to_radians(),
+            }),
+            least_explained: self.least_explained,
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Tracking by natural landmarks as a localizer.
 
 use super::params::TriangulationParams;
-use super::tracker::{Anchor, SeenScan, Tracker};
+use super::scan::SeenScan;
+use super::tracker::{Anchor, Tracker};
 use crate::particle_filter::odometry_history::{OdometryHistory, Reading};
 use crate::particle_filter::scan_queue::{PendingScan, ScanQueue};
 use nalgebra::Vector3;
@@ -9,6 +10,7 @@ use rumbo_core::frames::{Pose2, flatten};
 use rumbo_core::map::{Layer, Map};
 use rumbo_core::messages::{Check, Estimate, ObservationKind, Prior, Seen, SensorId};
 use rumbo_core::registry::{Manifest, Plugin};
+use rumbo_core::rng::Rng;
 use rumbo_core::stages::{BuildContext, BuildError, Cx, LocalizeError, Localizer};
 use rumbo_core::time::{Span, Time};
 use rumbo_kit::landmarks::BeamFan;
@@ -25,7 +27,19 @@ struct Triangulation {
     start_odometry: Pose2,
     /// Whose scans are related to each other: the first scanner's.
     scanner: Option<SensorId>,
-    tracker: Option<Tracker>,
+    state: State,
+    /// As it was built: each start begins its stream anew.
+    rng: Rng,
+}
+
+/// What it knows of the robot.
+enum State {
+    /// It was not started.
+    Idle,
+    /// Nobody said where the robot is, and it cannot search.
+    Lost,
+    /// It was told.
+    Following(Box<Tracker>),
 }
 
 /// A scanner that leans more than this does not see walls where the map has them: cosine of 14 degrees.
@@ -42,7 +56,7 @@ impl Triangulation {
             let way_m = (old.translation.vector - odom_from_base.translation.vector).norm();
             let reach = [self.max_speed_m_s * elapsed_s, self.max_turn_rad_s * elapsed_s];
             if way_m > self.params.jump_m + 2.0 * reach[0] {
-                if let Some(tracker) = &mut self.tracker {
+                if let State::Following(tracker) = &mut self.state {
                     tracker.rebase(&old, &odom_from_base, self.noise, reach);
                 }
                 self.odometry.clear();
@@ -54,7 +68,7 @@ impl Triangulation {
     }
 
     fn take_scan(&mut self, pending: &PendingScan, map: &Map) {
-        let Some(tracker) = &mut self.tracker else { return };
+        let State::Following(tracker) = &mut self.state else { return };
         let scan = &pending.scan;
         // Half of the beams are older and half are newer than the middle one.
         let middle = pending.stamp + Span::from_secs(scan.sweep_s / 2.0);
@@ -90,16 +104,19 @@ impl Localizer for Triangulation {
     fn start(&mut self, prior: &Prior, map: &Map) -> Result<(), LocalizeError> {
         prior.check()?;
         self.check_map(map)?;
-        let needs = "a pose";
-        let (map_from_base, odom_from_base, covariance) = match prior {
-            Prior::Unknown => return Err(LocalizeError::Prior { prior: "an unknown pose", needs }),
-            Prior::Saved(_) => return Err(LocalizeError::Prior { prior: "a saved state", needs }),
+        let (state, odom_from_base) = match prior {
+            Prior::Saved(_) => {
+                return Err(LocalizeError::Prior { prior: "a saved state", needs: "a pose" });
+            }
+            Prior::Unknown => (State::Lost, Pose2::identity()),
             Prior::Pose { map_from_base, odom_from_base, covariance } => {
-                (*map_from_base, *odom_from_base, *covariance)
+                let (map_from_base, odom_from_base) = (*map_from_base, *odom_from_base);
+                let anchor = Anchor { map_from_base, covariance: *covariance, odom_from_base };
+                let tracker = Tracker::new(self.params.settings(), anchor, self.rng.clone());
+                (State::Following(Box::new(tracker)), odom_from_base)
             }
         };
-        let anchor = Anchor { map_from_base, covariance, odom_from_base };
-        self.tracker = Some(Tracker::new(self.params.settings(), anchor));
+        self.state = state;
         self.odometry.clear();
         self.queue.clear();
         (self.start_odometry, self.scanner, self.noise) = (odom_from_base, None, [0.0; 3]);
@@ -107,10 +124,12 @@ impl Localizer for Triangulation {
     }
 
     fn update(&mut self, cx: &mut Cx<'_>, seen: Seen<'_>, map: &Map) -> Result<Estimate, LocalizeError> {
-        if self.tracker.is_none() {
-            return Err(LocalizeError::NotStarted);
-        }
         self.check_map(map)?;
+        match self.state {
+            State::Idle => return Err(LocalizeError::NotStarted),
+            State::Lost => return Ok(Estimate::lost(cx.now)),
+            State::Following(_) => {}
+        }
         for (observation, odometry) in seen.odometry().filter(|(observation, _)| observation.valid) {
             odometry.check()?;
             self.take_odometry(observation.stamp, odometry.odom_from_base, odometry.noise);
@@ -121,19 +140,18 @@ impl Localizer for Triangulation {
         while let Some(pending) = self.queue.pop_ready(cx.now, &self.odometry) {
             self.take_scan(&pending, map);
         }
-        let Some(tracker) = &self.tracker else { return Err(LocalizeError::NotStarted) };
+        let State::Following(tracker) = &self.state else { return Err(LocalizeError::NotStarted) };
         let report = tracker.report();
         cx.trace.count("landmarks", report.n_seen as f64);
-        cx.trace.count("related landmarks", report.n_related as f64);
-        cx.trace.count("scans in a row with fewer than two related landmarks", report.n_starved as f64);
+        cx.trace.count("relations", report.n_related as f64);
+        cx.trace.count("estimates", report.n_estimates as f64);
+        cx.trace.count("starved", report.n_starved as f64);
         let (stamp, odom_from_base) = self.odometry.newest().unwrap_or((cx.now, self.start_odometry));
         let (map_from_base, covariance) = tracker.carried_to(&odom_from_base, self.noise);
-        Ok(Estimate::planar(
-            stamp,
-            map_from_base,
-            odom_from_base,
-            (covariance + covariance.transpose()) / 2.0,
-        ))
+        let covariance = (covariance + covariance.transpose()) / 2.0;
+        let mut estimate = Estimate::planar(stamp, map_from_base, odom_from_base, covariance);
+        estimate.status = tracker.status();
+        Ok(estimate)
     }
 }
 
@@ -157,7 +175,8 @@ impl Plugin<dyn Localizer> for TriangulationParams {
             queue: ScanQueue::default(),
             start_odometry: Pose2::identity(),
             scanner: None,
-            tracker: None,
+            state: State::Idle,
+            rng: context.rng(),
         }))
     }
 }

@@ -1,10 +1,9 @@
 mod drive;
+mod place;
 mod tracking;
 mod worked_examples;
 
 use super::correspondence::{Relation, Tolerances, keep_consistent, predicted, relate};
-use super::least_squares::{LandmarkErrors, Solution, solve};
-use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, pose2};
 use rumbo_kit::landmarks::{Landmark, LandmarkKind};
 
@@ -81,57 +80,4 @@ fn what_walks_by_is_dropped_and_what_stands_kept() {
     ];
     keep_consistent(&mut walls, &WITHIN);
     assert_eq!(walls.len(), 2);
-}
-
-const ERRORS: LandmarkErrors =
-    LandmarkErrors { range_m: 0.015, known_is_seen: false, map_m: 0.003, map_rad: 0.002 };
-
-fn loose(a_from_b: Pose2) -> Solution {
-    Solution { a_from_b, covariance: Matrix3::from_diagonal(&Vector3::new(0.01, 0.01, 0.01)) }
-}
-
-#[test]
-fn exact_landmarks_give_the_exact_pose_also_through_an_outlier() {
-    for truth in [pose2(0.4, 0.1, 0.2), pose2(-0.05, 0.02, -0.04)] {
-        let odometry =
-            pose2(truth.translation.x + 0.05, truth.translation.y - 0.06, truth.rotation.angle() + 0.03);
-        let mut relations = relate(&surroundings(), &seen_from(&truth), &odometry, &WITHIN);
-        // The prior is weak, and yet pulls a little.
-        let prior = Solution { covariance: Matrix3::identity() * 1e6, ..loose(odometry) };
-        let found = solve(&relations, &prior, &ERRORS).unwrap();
-        let off = truth.inverse() * found.a_from_b;
-        assert!(off.translation.vector.norm() < 1e-6 && off.rotation.angle().abs() < 1e-6, "{off}");
-        // A wall this far off would not be consistent with the points; one point in four may well be.
-        let last = relations.len() - 1;
-        relations[last].seen.distance_m += 0.25;
-        let robust = truth.inverse() * solve(&relations, &loose(odometry), &ERRORS).unwrap().a_from_b;
-        assert!(robust.translation.vector.norm() < 0.02, "{robust}");
-    }
-}
-
-#[test]
-fn without_landmarks_the_odometry_stands_and_one_wall_helps_across_it_only() {
-    let odometry = loose(pose2(0.3, 0.0, 0.1));
-    let alone = solve(&[], &odometry, &ERRORS).unwrap();
-    assert!((alone.covariance - odometry.covariance).norm() < 1e-12);
-    assert!((alone.a_from_b.translation.vector - odometry.a_from_b.translation.vector).norm() < 1e-12);
-    let known = wall(2.0, 0.0);
-    let one = [Relation { known, seen: predicted(&known, &odometry.a_from_b), off_m: 0.0 }];
-    let found = solve(&one, &odometry, &ERRORS).unwrap().covariance;
-    assert!(found[(0, 0)] < 1e-4 && (found[(1, 1)] - 0.01).abs() < 1e-6 && found[(2, 2)] < 1e-4, "{found}");
-}
-
-#[test]
-fn a_solution_from_its_own_place_stays_there() {
-    let truth = pose2(0.4, 0.1, 0.2);
-    let mut relations = relate(&surroundings(), &seen_from(&truth), &truth, &WITHIN);
-    for (k, relation) in relations.iter_mut().enumerate() {
-        relation.seen.distance_m += 0.004 * (k as f64).cos();
-        relation.seen.bearing_rad += 0.002 * (k as f64).sin();
-    }
-    let found = solve(&relations, &loose(truth), &ERRORS).unwrap();
-    let again =
-        solve(&relations, &Solution { covariance: loose(truth).covariance, ..found }, &ERRORS).unwrap();
-    assert!((again.covariance - found.covariance).norm() < 1e-3 * found.covariance.norm());
-    assert!((again.a_from_b.translation.vector - found.a_from_b.translation.vector).norm() < 2e-3);
 }

@@ -1,0 +1,60 @@
+//! What an odometer's errors do to a pose on its way, and how they change.
+//!
+//! Most errors of an odometer are the same from meter to meter (Borenstein and Feng 1996): a wheel that is larger than
+//! the other bends every way to the same side. They are worth knowing: scans tell them, and where no landmark is seen
+//! they are all that goes wrong.
+
+use nalgebra::{Matrix3, Vector2, Vector3};
+
+/// A way of the robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    /// In the map's axes, meters.
+    pub along: Vector2<f64>,
+    /// Turn on the way, radians.
+    pub turn_rad: f64,
+}
+
+/// The odometer is never better than this, whatever it claims: m/m, rad/m, rad/rad.
+const LEAST_NOISE: [f64; 3] = [0.005, 0.002, 0.005];
+/// Share of each claimed deviation that is new on every way, beside the one that stays: wheels that slip in turns do so
+/// each time anew.
+const NEW_SHARE: [f64; 3] = [0.5, 0.5, 1.0];
+/// Errors that stay do so for about this long a way, meters; a radian counts as a meter.
+const STAYS_M: f64 = 10.0;
+
+impl Way {
+    /// How the pose changes with the odometer's errors of distance (m/m), direction (rad/m) and turn (rad/rad), one a
+    /// column. Half of a heading error that grows on the way acts on the way itself.
+    pub fn by_errors(&self) -> Matrix3<f64> {
+        let across = Vector2::new(-self.along.y, self.along.x);
+        let bends = |rad: f64| Vector3::new(across.x * rad / 2.0, across.y * rad / 2.0, rad);
+        let distance = Vector3::new(self.along.x, self.along.y, 0.0);
+        Matrix3::from_columns(&[distance, bends(self.along.norm()), bends(self.turn_rad)])
+    }
+
+    /// How the pose after the way changes with the pose before it.
+    pub fn by_pose(&self) -> Matrix3<f64> {
+        let mut through = Matrix3::identity();
+        through[(0, 2)] = -self.along.y;
+        through[(1, 2)] = self.along.x;
+        through
+    }
+
+    /// Covariance that errors which are new on this way add; `noise` is what the odometer claims of itself.
+    pub fn new_errors(&self, noise: [f64; 3]) -> Matrix3<f64> {
+        let deviations = Vector3::from(sigmas(noise)).component_mul(&Vector3::from(NEW_SHARE));
+        let effect = self.by_errors() * Matrix3::from_diagonal(&deviations);
+        effect * effect.transpose()
+    }
+
+    /// What is left of errors after the way.
+    pub fn keeps(&self) -> f64 {
+        (-(self.along.norm() + self.turn_rad.abs()) / STAYS_M).exp()
+    }
+}
+
+/// Standard deviations of errors that stay.
+pub fn sigmas(noise: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| noise[k].abs().max(LEAST_NOISE[k]))
+}

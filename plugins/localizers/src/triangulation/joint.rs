@@ -1,0 +1,310 @@
+//! The pose together with the errors of the odometer and the offsets of the places that it is found by: an iterated extended Kalman filter (Bell and
+//! Cathey 1993) over both, as in stochastic maps (Smith, Self and Cheeseman 1990). Not in the source, which fuses pairs
+//! with weights made by hand; here each landmark weighs what its errors allow, and errors of the map stay what they are
+//! however often a place is seen.
+
+use super::dead_reckoning::{Way, sigmas};
+use super::landmark_errors::LandmarkErrors;
+use super::mapped_marks::{MappedMark, MappedMarks, Slot};
+use super::sighting::{Residual, Sighting, offset_variances};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
+use rumbo_core::frames::{Point2, Pose2, pose2, wrap_angle};
+
+/// Where offsets begin in the state.
+const OFFSETS: usize = 6;
+
+/// Pose, odometer and offsets with their covariance.
+#[derive(Debug, Clone)]
+pub struct Joint {
+    pose: Vector3<f64>,
+    /// Errors of the odometer that stay: distance (m/m), direction (rad/m), turn (rad/rad).
+    odometer: Vector3<f64>,
+    /// Something is known of them beyond what the odometer claims.
+    is_odometer_known: bool,
+    marks: MappedMarks,
+    /// Of x, y, yaw, then of the odometer's three errors, then of two numbers for each place.
+    covariance: DMatrix<f64>,
+}
+
+/// What sightings lead to.
+#[derive(Debug, Clone)]
+pub struct Posterior {
+    state: DVector<f64>,
+    covariance: DMatrix<f64>,
+    /// Sightings that may be what they seem.
+    pub n_possible: usize,
+}
+
+impl Posterior {
+    /// Where the robot is then.
+    pub fn pose(&self) -> Vector3<f64> {
+        Vector3::new(self.state[0], self.state[1], self.state[2])
+    }
+}
+
+/// Steps of the iteration; weights of outliers settle in few.
+const N_STEPS: usize = 5;
+/// Beyond this many standard deviations from what the pose so far lets expect, a landmark is something else.
+const GATE: f64 = 4.0;
+/// Beyond this many standard deviations a landmark counts ever less.
+const SURE: f64 = 2.0;
+
+impl Joint {
+    /// A pose and nothing else.
+    pub fn new(map_from_base: &Pose2, covariance: &Matrix3<f64>) -> Joint {
+        let mut full = DMatrix::zeros(OFFSETS, OFFSETS);
+        full.fixed_view_mut::<3, 3>(0, 0).copy_from(covariance);
+        Joint {
+            pose: vector(map_from_base),
+            odometer: Vector3::zeros(),
+            is_odometer_known: false,
+            marks: MappedMarks::default(),
+            covariance: full,
+        }
+    }
+
+    /// Where the robot is.
+    pub fn map_from_base(&self) -> Pose2 {
+        pose2(self.pose.x, self.pose.y, self.pose.z)
+    }
+
+    /// Covariance of x, y, yaw.
+    pub fn pose_covariance(&self) -> Matrix3<f64> {
+        self.covariance.fixed_view::<3, 3>(0, 0).into_owned()
+    }
+
+    /// The places.
+    pub fn marks(&self) -> &MappedMarks {
+        &self.marks
+    }
+
+    /// Where the odometer leads that says `way` of the robot's motion, and how surely; it claims `noise` of itself.
+    pub fn carried(&self, way: &Pose2, noise: [f64; 3]) -> (Pose2, Matrix3<f64>) {
+        let told = self.told(way);
+        let mut cross = Matrix3::zeros();
+        let mut odometer = Matrix3::from_diagonal(&Vector3::from(sigmas(noise)).map(|sigma| sigma * sigma));
+        if self.is_odometer_known {
+            cross.copy_from(&self.covariance.fixed_view::<3, 3>(0, 3));
+            odometer.copy_from(&self.covariance.fixed_view::<3, 3>(3, 3));
+        }
+        let (by_pose, by_errors) = (told.by_pose(), told.by_errors());
+        let mixed = by_pose * cross * by_errors.transpose();
+        let covariance = by_pose * self.pose_covariance() * by_pose.transpose()
+            + by_errors * odometer * by_errors.transpose()
+            + mixed
+            + mixed.transpose()
+            + told.new_errors(noise);
+        let pose = self.moved(way, &told);
+        (pose2(pose.x, pose.y, pose.z), (covariance + covariance.transpose()) / 2.0)
+    }
+
+    fn told(&self, way: &Pose2) -> Way {
+        let along = (self.map_from_base().rotation * way.translation.vector).xy();
+        Way { along, turn_rad: way.rotation.angle() }
+    }
+
+    fn moved(&self, way: &Pose2, told: &Way) -> Vector3<f64> {
+        vector(&(self.map_from_base() * way)) + told.by_errors() * self.odometer
+    }
+
+    /// The robot moved; see [`Joint::carried`].
+    pub fn carry(&mut self, way: &Pose2, noise: [f64; 3]) {
+        let told = self.told(way);
+        let variances = Vector3::from(sigmas(noise)).map(|sigma| sigma * sigma);
+        if !self.is_odometer_known {
+            self.is_odometer_known = true;
+            self.covariance.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::from_diagonal(&variances));
+        }
+        let covariance = self.carried(way, noise).1;
+        let pose = self.moved(way, &told);
+        let others = self.covariance.columns(3, self.covariance.ncols() - 3).into_owned();
+        let moved = told.by_pose() * others.fixed_rows::<3>(0) + told.by_errors() * others.fixed_rows::<3>(3);
+        self.covariance.fixed_rows_mut::<3>(0).columns_range_mut(3..).copy_from(&moved);
+        self.covariance.fixed_columns_mut::<3>(0).rows_range_mut(3..).copy_from(&moved.transpose());
+        self.covariance.fixed_view_mut::<3, 3>(0, 0).copy_from(&covariance);
+        let kept = told.keeps();
+        for k in 3..OFFSETS {
+            self.covariance.row_mut(k).scale_mut(kept);
+            self.covariance.column_mut(k).scale_mut(kept);
+            self.covariance[(k, k)] += (1.0 - kept * kept) * variances[k - 3];
+        }
+        self.odometer *= kept;
+        self.pose = pose;
+    }
+
+    /// The robot may have moved this far in any direction, or turned, without anybody knowing.
+    pub fn widen(&mut self, reach_m: f64, turn_rad: f64) {
+        for (k, by) in [reach_m, reach_m, turn_rad].into_iter().enumerate() {
+            self.covariance[(k, k)] += by * by;
+        }
+    }
+
+    /// Finds a place or adds it; gives its number and its pivot. Without a number all are taken.
+    pub fn slot_of(
+        &mut self,
+        mapped: MappedMark,
+        scan: u64,
+        errors: &LandmarkErrors,
+    ) -> (Option<usize>, Point2) {
+        let idx = match self.marks.find_or_add(mapped, scan) {
+            Slot::Known(idx) => idx,
+            Slot::Full => return (None, mapped.place),
+            Slot::Added(idx) => {
+                let n = self.covariance.nrows();
+                self.covariance.resize_mut(n + 2, n + 2, 0.0);
+                self.forget(idx, &mapped, errors);
+                idx
+            }
+            Slot::Replaced(idx) => {
+                self.forget(idx, &mapped, errors);
+                idx
+            }
+        };
+        (Some(idx), self.marks.get(idx).map_or(mapped.place, |mark| mark.mapped.place))
+    }
+
+    /// Nothing is known of this offset but what the map promises.
+    fn forget(&mut self, idx: usize, mapped: &MappedMark, errors: &LandmarkErrors) {
+        let at = OFFSETS + 2 * idx;
+        for k in at..at + 2 {
+            self.covariance.row_mut(k).fill(0.0);
+            self.covariance.column_mut(k).fill(0.0);
+        }
+        let variances = offset_variances(mapped, errors);
+        self.covariance[(at, at)] = variances.x;
+        self.covariance[(at + 1, at + 1)] = variances.y;
+    }
+
+    fn state(&self) -> DVector<f64> {
+        let offsets = self.marks.all().iter().flat_map(|mark| [mark.offset.x, mark.offset.y]);
+        let parts: Vec<f64> = self.pose.iter().chain(&self.odometer).copied().chain(offsets).collect();
+        DVector::from_vec(parts)
+    }
+
+    /// What sightings lead to when they are looked at from `start`. None where they say nothing.
+    pub fn posterior(
+        &self,
+        sightings: &[Sighting],
+        start: &Vector3<f64>,
+        base_from_sensor: &Pose2,
+    ) -> Option<Posterior> {
+        let prior = self.state();
+        let mut state = prior.clone();
+        state.fixed_rows_mut::<3>(0).copy_from(start);
+        let possible: Vec<&Sighting> = sightings
+            .iter()
+            .filter(|sighting| self.is_possible(sighting, &prior, &state, base_from_sensor))
+            .collect();
+        let mut weights = vec![1.0; possible.len()];
+        let mut solved = None;
+        for _ in 0..N_STEPS {
+            let rows = self.rows(&possible, &prior, &state, base_from_sensor);
+            let (gain, shrunk) = rows.gain(&self.covariance, &possible, &weights)?;
+            let step = &prior + gain * &rows.innovation - &state;
+            state += &step;
+            solved = Some(shrunk);
+            for (weight, sighting) in weights.iter_mut().zip(&possible) {
+                let off = residual(sighting, &state, base_from_sensor).off;
+                let deviations = deviations(&off, &sighting.covariance);
+                *weight = if deviations > SURE { (SURE / deviations).powi(2) } else { 1.0 };
+            }
+            if step.amax() < 1e-7 {
+                break;
+            }
+        }
+        Some(Posterior { state, covariance: solved?, n_possible: possible.len() })
+    }
+
+    /// It lies within what the pose so far and the errors let expect.
+    fn is_possible(
+        &self,
+        sighting: &Sighting,
+        prior: &DVector<f64>,
+        state: &DVector<f64>,
+        base_from_sensor: &Pose2,
+    ) -> bool {
+        let rows = self.rows(&[sighting], prior, state, base_from_sensor);
+        let spread = &rows.by_state_covariance * rows.by_state.transpose();
+        let spread = spread.fixed_view::<2, 2>(0, 0).into_owned() + sighting.covariance;
+        deviations(&Vector2::new(rows.innovation[0], rows.innovation[1]), &spread) <= GATE
+    }
+
+    /// Takes over what sightings lead to.
+    pub fn accept(&mut self, posterior: Posterior) {
+        let Posterior { state, covariance, .. } = posterior;
+        self.pose = Vector3::new(state[0], state[1], wrap_angle(state[2]));
+        self.odometer = state.fixed_rows::<3>(3).into_owned();
+        self.marks
+            .set_offsets((OFFSETS..state.len()).step_by(2).map(|at| Vector2::new(state[at], state[at + 1])));
+        self.covariance = (&covariance + covariance.transpose()) / 2.0;
+    }
+
+    fn rows(
+        &self,
+        sightings: &[&Sighting],
+        prior: &DVector<f64>,
+        state: &DVector<f64>,
+        base_from_sensor: &Pose2,
+    ) -> Rows {
+        let (n, n_rows) = (state.len(), 2 * sightings.len());
+        let mut by_state = DMatrix::zeros(n_rows, n);
+        let mut innovation = DVector::zeros(n_rows);
+        let mut moved = state - prior;
+        moved[2] = wrap_angle(moved[2]);
+        for (k, sighting) in sightings.iter().enumerate() {
+            let Residual { off, by_pose, by_offset } = residual(sighting, state, base_from_sensor);
+            by_state.fixed_view_mut::<2, 3>(2 * k, 0).copy_from(&by_pose);
+            let mut ahead = off + by_pose * moved.fixed_rows::<3>(0);
+            if let Some(at) = sighting.slot.map(|slot| OFFSETS + 2 * slot) {
+                by_state.fixed_view_mut::<2, 2>(2 * k, at).copy_from(&by_offset);
+                ahead += by_offset * moved.fixed_rows::<2>(at);
+            }
+            innovation.fixed_rows_mut::<2>(2 * k).copy_from(&ahead);
+        }
+        let by_state_covariance = &by_state * &self.covariance;
+        Rows { by_state, by_state_covariance, innovation }
+    }
+}
+
+/// All sightings, linearized.
+struct Rows {
+    by_state: DMatrix<f64>,
+    by_state_covariance: DMatrix<f64>,
+    /// From what the prior lets expect.
+    innovation: DVector<f64>,
+}
+
+impl Rows {
+    /// The gain and the covariance afterwards.
+    fn gain(
+        &self,
+        covariance: &DMatrix<f64>,
+        sightings: &[&Sighting],
+        weights: &[f64],
+    ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+        let mut spread = &self.by_state_covariance * self.by_state.transpose();
+        for (k, (sighting, weight)) in sightings.iter().zip(weights).enumerate() {
+            let mut part = spread.fixed_view_mut::<2, 2>(2 * k, 2 * k);
+            part += sighting.covariance / *weight;
+        }
+        let inverse_times = spread.cholesky()?.solve(&self.by_state_covariance);
+        let shrunk = covariance - self.by_state_covariance.transpose() * &inverse_times;
+        Some((inverse_times.transpose(), shrunk))
+    }
+}
+
+fn vector(pose: &Pose2) -> Vector3<f64> {
+    Vector3::new(pose.translation.x, pose.translation.y, pose.rotation.angle())
+}
+
+fn residual(sighting: &Sighting, state: &DVector<f64>, base_from_sensor: &Pose2) -> Residual {
+    let pose = state.fixed_rows::<3>(0).into_owned();
+    let offset =
+        sighting.slot.map_or(Vector2::zeros(), |slot| state.fixed_rows::<2>(OFFSETS + 2 * slot).into_owned());
+    sighting.residual(&pose, &offset, base_from_sensor)
+}
+
+/// How many standard deviations off; without bound where the covariance is none.
+fn deviations(off: &Vector2<f64>, covariance: &Matrix2<f64>) -> f64 {
+    covariance.try_inverse().map_or(f64::INFINITY, |inverse| off.dot(&(inverse * off)).max(0.0).sqrt())
+}
