@@ -4,6 +4,7 @@ use super::DpParams;
 use super::cost_map::keeps;
 use super::grid_dp::{DpFault, DpPlan, DpRequest, DpRules, GridDp};
 use super::obstruction::Obstruction;
+use super::plan_figures::tell;
 use crate::hull_fit::fits_hull;
 use crate::plan_grid::PlanGrid;
 use rumbo_core::map::Layer;
@@ -125,6 +126,7 @@ impl Planner for Dp {
             .grid_dp
             .plan(grid.size, &self.kinds, &rules, &in_cells, &mut give_up)
             .map_err(|fault| self.error(request, &grid, fault))?;
+        tell(&request.trace, self.grid_dp.proximity(), &plan, grid.resolution_m());
         request.trace.count("settled_tiles", self.grid_dp.field().n_settled_tiles() as f64);
         request.trace.draw(|| Drawing::Polyline {
             name: "path before refinement",
