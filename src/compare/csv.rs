@@ -16,7 +16,7 @@ pub fn results(design: &Design, results: &Results) -> String {
         "end,success,start_x_m,start_y_m,start_yaw_deg,goal_x_m,goal_y_m,straight_m,duration_s,driven_m";
     head.extend(fixed.split(',').map(str::to_owned));
     head.extend(FIGURES.iter().map(|figure| figure.key.to_owned()));
-    let rest = "final_error_m,goal_error_m,guard_interventions,stage_failures,steps,detail";
+    let rest = "guard_interventions,stage_failures,steps,detail";
     head.extend(rest.split(',').map(str::to_owned));
     let mut text = line(head);
     for (run, result) in results {
@@ -38,8 +38,6 @@ fn of_outcome(result: &RunResult) -> Vec<String> {
     let outcome = result.outcome.as_ref();
     let mut cells = vec![number(outcome.map(|o| o.time_s)), number(outcome.map(|o| o.path_m))];
     cells.extend(FIGURES.iter().map(|figure| number(figure.of(result))));
-    cells.push(number(outcome.and_then(|o| o.final_error_m)));
-    cells.push(number(outcome.and_then(|o| o.goal_error_m)));
     let whole = |value: Option<u64>| value.map_or(String::new(), |n| n.to_string());
     cells.push(whole(outcome.map(|o| o.guard_interventions.into())));
     cells.push(whole(outcome.map(|o| o.stage_failures.into())));

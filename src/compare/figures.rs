@@ -49,7 +49,7 @@ const fn figure(
 
 /// All of them, in reading order. A way that was broken off is short and quick: time, way, detour and turns are of
 /// runs that succeeded.
-pub const FIGURES: [Figure; 13] = [
+pub const FIGURES: [Figure; 15] = [
     figure("time_s", ("time to goal", "s"), (1.0, 1), true, |o, _| Some(o.time_s)),
     figure("path_m", ("way driven", "m"), (1.0, 2), true, |o, _| Some(o.path_m)),
     figure("detour", ("way over straight line", ""), (1.0, 3), true, |o, r| Some(o.path_m / r.straight_m?)),
@@ -61,6 +61,8 @@ pub const FIGURES: [Figure; 13] = [
     figure("rms_heading_error_deg", ("heading error, RMS", "°"), (1.0, 2), false, |o, _| {
         o.rms_heading_error_deg
     }),
+    figure("goal_error_m", ("true end to goal", "cm"), (100.0, 2), true, |o, _| o.goal_error_m),
+    figure("final_error_m", ("final error", "cm"), (100.0, 2), false, |o, _| o.final_error_m),
     figure("final_error_x_m", ("final error along x", "cm"), (100.0, 2), false, |o, _| o.final_error_x_m),
     figure("final_error_y_m", ("final error along y", "cm"), (100.0, 2), false, |o, _| o.final_error_y_m),
     figure("final_heading_error_deg", ("final heading error", "°"), (1.0, 2), false, |o, _| {

@@ -4,6 +4,7 @@
 //! replace what they can of it.
 
 mod params;
+mod plan_figures;
 pub mod plugin;
 
 pub mod grid_dp;

@@ -5,6 +5,7 @@ use super::cost_map::keeps;
 use super::explanation::Explanation;
 use super::grid_dp::{DpFault, DpPlan, DpRequest, DpRules, GridDp};
 use super::obstruction::Obstruction;
+use super::plan_figures::tell;
 use crate::hull_fit::fits_hull;
 use crate::plan_grid::PlanGrid;
 use rumbo_core::map::Layer;
@@ -136,6 +137,7 @@ impl Planner for Dp {
             Ok(plan) => plan,
             Err(fault) => return Err(self.explained(request, &grid, &rules, &in_cells, fault)),
         };
+        tell(&request.trace, self.grid_dp.proximity(), &plan, grid.resolution_m());
         request.trace.count("settled_tiles", self.grid_dp.field().n_settled_tiles() as f64);
         request.trace.draw(|| Drawing::Polyline {
             name: "path before refinement",
