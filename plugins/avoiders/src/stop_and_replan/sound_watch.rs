@@ -64,7 +64,9 @@ impl SoundWatch {
         let now = observation.stamp;
         for cone in cones_ahead(ring, observation.base_from_sensor, map_from_base, self.tuning.within_rad) {
             self.evidence.clear(now, &cone);
-            let is_news = self.evidence.is_in_reach(&cone) && !self.is_expected(&cone, sightings, scene);
+            let is_news = self.evidence.is_in_reach(&cone)
+                && !self.evidence.is_before(now, &cone)
+                && !self.is_expected(&cone, sightings, scene);
             if is_news && !self.evidence.hear(now, &cone) {
                 self.doubtful_m = self.doubtful_m.min(cone.range_m);
             }
