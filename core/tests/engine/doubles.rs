@@ -457,7 +457,12 @@ rumbo_core::register_planner!(LineParams, "line", "goes straight");
 
 params!(
     /// Turns towards the end of the path and drives there.
-    BeelineParams { blocked_at_s: f64 = 1e9, keeps_blocking: bool = false, nan_at_s: f64 = 1e9 }
+    BeelineParams {
+        blocked_at_s: f64 = 1e9,
+        keeps_blocking: bool = false,
+        obstacle_x_m: f64 = 1.0,
+        nan_at_s: f64 = 1e9,
+    }
 );
 struct Beeline {
     params: BeelineParams,
@@ -480,7 +485,7 @@ impl Avoider for Beeline {
         }
         if cx.now > Time::from_secs(self.params.blocked_at_s) && self.last_path != input.path_number {
             self.last_path = if self.params.keeps_blocking { 0 } else { input.path_number + 1 };
-            let position: Point2 = input.map_from_base * Point2::new(1.0, 0.0);
+            let position: Point2 = input.map_from_base * Point2::new(self.params.obstacle_x_m, 0.0);
             return Ok(Steering::Blocked {
                 obstacles: vec![Obstacle { position, radius_m: 0.0, stamp: cx.now }],
             });

@@ -72,12 +72,58 @@ fn who_walks_by_closes_the_way_for_some_seconds_only() {
             p.mission.patience_s = patience_s;
         })
     };
-    let (end, _, events) = run(&waits(10.0, "blocked_at_s = 2.0"));
+    // Beside the robot, where no beam goes: nothing has seen it since.
+    let beside = "blocked_at_s = 2.0\nobstacle_x_m = -0.5";
+    let (end, _, events) = run(&waits(10.0, beside));
     assert_eq!(end.reason, EndReason::Arrived);
     assert_eq!(events.count(|e| matches!(e, EventKind::PlanFailed { .. })), 1);
-    let (end, _, events) = run(&waits(0.0, "blocked_at_s = 2.0"));
+    let (end, _, events) = run(&waits(0.0, beside));
     assert_eq!(end.reason, EndReason::Unreachable, "without patience at once");
     assert_eq!(events.count(|e| matches!(e, EventKind::PlanFailed { .. })), 1);
+}
+
+#[test]
+fn a_pane_in_the_way_does_not_walk_by_and_is_not_forgotten_because_light_goes_through() {
+    let pane = with("pane", |p| {
+        p.avoider = Some(stage(Stage::Avoider, "avoider", "beeline", None, "blocked_at_s = 2.0"));
+        p.planner = Some(stage(Stage::Planner, "forgetful", "line", None, "refuses_obstacles = true"));
+        p.mission.patience_s = 3.0;
+    });
+    let (end, _, events) = run(&pane);
+    assert_eq!(end.reason, EndReason::Unreachable, "the scanner sees nothing there, and never did");
+    assert_eq!(events.count(|e| matches!(e, EventKind::Forgot { .. })), 0);
+    assert!(events.count(|e| matches!(e, EventKind::PlanFailed { .. })) > 2, "it waited all the same");
+}
+
+/// Bytes of the map's grid, and how many obstacles are remembered, step by step.
+#[derive(Default)]
+struct MapBytes(Vec<(Vec<u8>, u64, usize)>);
+impl Observer for MapBytes {
+    fn on_step(&mut self, view: &StepView<'_>) {
+        let Some(grid) = &view.map.grid else { return };
+        let bytes = grid.cells.iter().flat_map(|cell| cell.to_le_bytes()).collect();
+        self.0.push((bytes, view.map.version, view.obstacles.len()));
+    }
+}
+
+#[test]
+fn the_map_is_the_same_to_the_byte_while_obstacles_are_remembered_and_after_the_goal() {
+    for refuses in [false, true] {
+        let temporary = with("temporary", |p| {
+            p.avoider = Some(stage(Stage::Avoider, "avoider", "beeline", None, "blocked_at_s = 2.0"));
+            let keys = format!("refuses_obstacles = {refuses}");
+            p.planner = Some(stage(Stage::Planner, "forgetful", "line", None, &keys));
+            p.mission.patience_s = 1.0;
+        });
+        let mut engine = Engine::build(&temporary).unwrap();
+        let mut bytes = MapBytes::default();
+        let end = engine.run(&mut [&mut bytes], &AtomicBool::new(false));
+        assert_eq!(end.reason, if refuses { EndReason::Unreachable } else { EndReason::Arrived });
+        let (first, version, _) = &bytes.0[0];
+        assert!(bytes.0.iter().all(|(now, at, _)| now == first && at == version));
+        assert!(bytes.0.iter().any(|(_, _, n_obstacles)| *n_obstacles > 0));
+        assert_eq!(bytes.0.last().unwrap().2, 0, "the obstacles of a goal go with it");
+    }
 }
 
 #[test]

@@ -155,6 +155,15 @@ impl SonarEvidence {
             .map(|cell| Heard { point: cell.point, stamp: cell.heard })
     }
 
+    /// A sure place lies in the cone, clearly before its echo: a mirror, or something that an opening beside it lets by.
+    pub fn is_before(&self, now: Time, cone: &Cone) -> bool {
+        self.sure(now).any(|heard| {
+            let to_heard = heard.point - cone.tip;
+            to_heard.norm() < cone.range_m - Self::BEFORE_ECHO_M
+                && cone.covers(to_heard.y.atan2(to_heard.x), Self::BORDER_RAD)
+        })
+    }
+
     fn cell_at(&mut self, place: (i32, i32)) -> Option<&mut Cell> {
         let (i, j) = (place.0.rem_euclid(self.n_edge), place.1.rem_euclid(self.n_edge));
         self.cells.get_mut((j * self.n_edge + i) as usize)
@@ -275,6 +284,16 @@ mod tests {
         let other = Cone { tip: Point2::new(0.3, -0.25), axis_rad: 45f64.to_radians(), ..cone(0.0, 2.0) };
         (0..9).for_each(|k| aslant.clear(at(1.0 + f64::from(k) * 0.1), &other));
         assert_eq!(n_sure(&aslant, 2.0), n_sure(&heard(), 2.0), "a pane mirrors this away");
+    }
+
+    #[test]
+    fn what_is_heard_beyond_a_sure_place_in_the_same_cone_may_be_a_mirror_image() {
+        let mut grid = grid();
+        (0..4).for_each(|k| _ = grid.hear(at(f64::from(k) * 0.1), &cone(0.0, 0.4)));
+        assert!(grid.is_before(at(0.5), &cone(0.0, 0.8)));
+        assert!(!grid.is_before(at(0.5), &cone(0.0, 0.45)), "the place itself");
+        assert!(!grid.is_before(at(0.5), &Cone { axis_rad: 1.0, ..cone(0.0, 0.8) }), "another cone");
+        assert!(!grid.is_before(at(15.0), &cone(0.0, 0.8)), "long ago");
     }
 
     #[test]

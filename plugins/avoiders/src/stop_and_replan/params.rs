@@ -98,7 +98,7 @@ impl Default for StopAndReplanParams {
             stop_distance_m: 0.30,
             watched_width_m: 0.60,
             sonar_decay_s: 10.0,
-            sonar_within_deg: 60.0,
+            sonar_within_deg: 100.0,
             front_sonar_within_deg: 23.0,
             ignore_expected: true,
             expected_within_m: 0.10,

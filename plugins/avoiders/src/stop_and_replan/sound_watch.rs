@@ -42,6 +42,8 @@ impl SoundWatch {
     const BESIDE_CONE_M: f64 = 0.05;
     /// But not by a larger angle than this, radians.
     const MOST_BESIDE_RAD: f64 = 0.2;
+    /// What is farther than this from straight ahead is beside the robot, and near without being in its way, radians.
+    const AHEAD_RAD: f64 = 60.0 * std::f64::consts::PI / 180.0;
     /// Room beside the hull that an obstacle ahead must leave free, meters.
     const BESIDE_HULL_M: f64 = 0.05;
 
@@ -64,7 +66,9 @@ impl SoundWatch {
         let now = observation.stamp;
         for cone in cones_ahead(ring, observation.base_from_sensor, map_from_base, self.tuning.within_rad) {
             self.evidence.clear(now, &cone);
-            let is_news = self.evidence.is_in_reach(&cone) && !self.is_expected(&cone, sightings, scene);
+            let is_news = self.evidence.is_in_reach(&cone)
+                && !self.evidence.is_before(now, &cone)
+                && !self.is_expected(&cone, sightings, scene);
             if is_news && !self.evidence.hear(now, &cone) {
                 self.doubtful_m = self.doubtful_m.min(cone.range_m);
             }
@@ -89,7 +93,7 @@ impl SoundWatch {
         let half_way_m = t.half_hull_m + Self::BESIDE_HULL_M;
         self.news(sightings, scene).any(|heard| {
             let in_base = base_from_map * heard.point;
-            let is_ahead = in_base.y.atan2(in_base.x).abs() <= t.within_rad;
+            let is_ahead = in_base.y.atan2(in_base.x).abs() <= t.within_rad.min(Self::AHEAD_RAD);
             let is_near = is_ahead && in_base.coords.norm() - t.hull_radius_m < stop_distance_m;
             let is_in_way = in_base.x > 0.0
                 && in_base.y.abs() <= half_way_m
@@ -101,7 +105,7 @@ impl SoundWatch {
     /// All that only sound knows of.
     pub fn obstacles(&self, sightings: &Sightings, scene: &Scene<'_>) -> Vec<Obstacle> {
         let as_obstacle =
-            |heard: Heard| Obstacle { position: heard.point, radius_m: 0.0, stamp: heard.stamp };
+            |heard: Heard| Obstacle { position: heard.point, radius_m: 0.05, stamp: heard.stamp };
         self.news(sightings, scene).map(as_obstacle).collect()
     }
 
