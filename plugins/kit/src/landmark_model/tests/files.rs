@@ -72,8 +72,11 @@ fn files_whose_checksum_is_right_must_hold_together_as_well() {
             Err(_) => n_refused += 1,
             // A look may be exchanged for another: then it still can be used.
             Ok(odd) => {
-                let looks = [LookKind::Wall, LookKind::HidesLeft]
-                    .map(|kind| Look { kind, distance_m: 1.0, extent_m: 1.0 });
+                let looks = [LookKind::Wall, LookKind::HidesLeft].map(|kind| Look {
+                    kind,
+                    distance_m: 1.0,
+                    extent_m: 1.0,
+                });
                 Filter::default().pass(&odd, &looks, &Similarity { distance_m: 2.0, extent_m: 2.0 });
                 assert!(odd.n_landmarks() >= odd.n_cells());
             }

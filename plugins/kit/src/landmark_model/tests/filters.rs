@@ -92,8 +92,7 @@ fn cells_of_the_printed_example_stay_only_strictly_above_half_of_the_best() {
     let printed = expected["cells"].as_array().unwrap();
     let mut filter = Filter::default();
     let passed = filter.pass(&model_of_looks(&cells), &observed, &within);
-    let kept: Vec<usize> =
-        (0..3).filter(|cell| printed[*cell]["kept"].as_bool() == Some(true)).collect();
+    let kept: Vec<usize> = (0..3).filter(|cell| printed[*cell]["kept"].as_bool() == Some(true)).collect();
     assert_eq!(passed.iter().map(|score| score.cell).collect::<Vec<usize>>(), kept);
     // Each cell for itself: it is the best then, and its counts are told.
     for (cell, printed) in cells.iter().zip(printed) {

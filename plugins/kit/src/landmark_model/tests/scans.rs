@@ -36,12 +36,12 @@ fn rays_end_where_small_steps_end_and_know_what_stopped_them() {
         let (col, row) = surroundings.size().col_row(cell);
         let origin = [col as f64 + rng.random::<f64>(), row as f64 + rng.random::<f64>()];
         let heading: f64 = rng.random_range(-3.0..3.0);
-        let directions: Vec<[f64; 2]> = (0..50).map(|k| f64::from(k) / 8.0).map(|a| [a.cos(), a.sin()]).collect();
+        let directions: Vec<[f64; 2]> =
+            (0..50).map(|k| f64::from(k) / 8.0).map(|a| [a.cos(), a.sin()]).collect();
         surroundings.scan(origin, heading, &directions, 3.0, &mut ranges);
         let mut n_wrong = 0;
         for (range, [x, y]) in ranges.iter().zip(&directions) {
-            let along =
-                [heading.cos() * x - heading.sin() * y, heading.sin() * x + heading.cos() * y];
+            let along = [heading.cos() * x - heading.sin() * y, heading.sin() * x + heading.cos() * y];
             let expected = by_steps(&grid, origin, along, 3.0);
             n[usize::from(expected.is_nan()) + 2 * usize::from(expected.is_infinite())] += 1;
             let is_same = range.is_nan() && expected.is_nan() || *range == expected;

@@ -97,8 +97,7 @@ fn beams_are_those_of_the_readings_as_they_were_given() {
 #[test]
 fn rooms_without_any_feature_and_scans_without_readings_are_survived() {
     let none = Reading { place: [0.0; 2], range_m: f64::NAN };
-    let round: Vec<Reading> =
-        (0..360).map(|k| Reading::at(f64::from(k) * TAU / 360.0, 0.07)).collect();
+    let round: Vec<Reading> = (0..360).map(|k| Reading::at(f64::from(k) * TAU / 360.0, 0.07)).collect();
     assert!(found(&round).is_empty());
     for n in 0..6 {
         found(&vec![none; n]);
