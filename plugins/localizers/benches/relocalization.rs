@@ -69,9 +69,7 @@ fn second_phase(bencher: divan::Bencher, name: &str) {
     let count = divan::counter::ItemsCount::new(N_PLACES);
     bencher.counter(count).bench_local(|| {
         let places = work.observed.iter().zip(&cells);
-        places
-            .map(|(observed, cells)| matcher.places(&work.known, cells, observed).len())
-            .sum::<usize>()
+        places.map(|(observed, cells)| matcher.places(&work.known, cells, observed).len()).sum::<usize>()
     });
 }
 
@@ -80,7 +78,7 @@ fn whole(bencher: divan::Bencher, name: &str) {
     let work = Work::of(name);
     let mut locator = Locator::new(work.params.locator(), stream(1, "noise"));
     let count = divan::counter::ItemsCount::new(N_PLACES);
-    bencher.counter(count).bench_local(|| {
-        work.seen.iter().map(|seen| locator.locate(&work.known, seen)).collect::<Vec<_>>()
-    });
+    bencher
+        .counter(count)
+        .bench_local(|| work.seen.iter().map(|seen| locator.locate(&work.known, seen)).collect::<Vec<_>>());
 }

@@ -76,11 +76,7 @@ pub fn fingerprint(grid: &Grid, settings: &ModelSettings) -> [u8; 32] {
 ///
 /// # Errors
 /// What the system says.
-pub fn save_model(
-    path: &Path,
-    model: &LandmarkModel,
-    fingerprint: &[u8; 32],
-) -> Result<(), ModelFileError> {
+pub fn save_model(path: &Path, model: &LandmarkModel, fingerprint: &[u8; 32]) -> Result<(), ModelFileError> {
     static NUMBER: AtomicU64 = AtomicU64::new(0);
     let number = NUMBER.fetch_add(1, Ordering::Relaxed);
     let beside = path.with_added_extension(format!("{}-{number}.part", std::process::id()));

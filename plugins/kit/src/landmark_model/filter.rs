@@ -121,7 +121,13 @@ impl Filter {
     }
 
     /// Keeps those above half of the best so far, and leaves the counts at zero.
-    fn score(&mut self, model: &LandmarkModel, first: usize, n_landmarks: &[u8], best: &mut Option<CellScore>) {
+    fn score(
+        &mut self,
+        model: &LandmarkModel,
+        first: usize,
+        n_landmarks: &[u8],
+        best: &mut Option<CellScore>,
+    ) {
         for place in self.touched.drain(..) {
             let at = place as usize;
             let (Some(n_alike), Some(n)) = (self.n_alike.get_mut(at), n_landmarks.get(at)) else { continue };

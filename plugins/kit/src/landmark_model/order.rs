@@ -45,9 +45,8 @@ impl CellOrder {
     pub fn place_of(&self, cell: usize) -> usize {
         let (col, row) = self.size.col_row(cell);
         let tile = row / EDGE * self.n_tiles_x + col / EDGE;
-        let within = (0..BITS).fold(0, |place, bit| {
-            place | (col >> bit & 1) << (2 * bit) | (row >> bit & 1) << (2 * bit + 1)
-        });
+        let within = (0..BITS)
+            .fold(0, |place, bit| place | (col >> bit & 1) << (2 * bit) | (row >> bit & 1) << (2 * bit + 1));
         tile * TILE + within
     }
 }
@@ -60,7 +59,8 @@ mod tests {
     fn every_cell_has_one_place_and_neighbors_are_near() {
         for size in [GridSize::new(1, 1), GridSize::new(70, 33), GridSize::new(32, 64)] {
             let order = CellOrder::new(size);
-            let mut cells: Vec<usize> = (0..order.n_places()).filter_map(|place| order.cell_at(place)).collect();
+            let mut cells: Vec<usize> =
+                (0..order.n_places()).filter_map(|place| order.cell_at(place)).collect();
             cells.sort_unstable();
             assert!(cells.into_iter().eq(0..size.n_cells()));
             assert!((0..size.n_cells()).all(|cell| order.cell_at(order.place_of(cell)) == Some(cell)));

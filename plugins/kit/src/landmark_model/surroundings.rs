@@ -44,7 +44,8 @@ impl Surroundings {
         let class = |cell: &f32| grid.class_of(*cell);
         let is_shut: Vec<u8> =
             grid.cells.iter().map(|cell| u8::from(class(cell) != CellClass::Free)).collect();
-        let is_occupied = grid.cells.iter().map(|cell| u8::from(class(cell) == CellClass::Occupied)).collect();
+        let is_occupied =
+            grid.cells.iter().map(|cell| u8::from(class(cell) == CellClass::Occupied)).collect();
         Surroundings { rays: RayGrid::new(size, &is_shut), size, cell_m: grid.resolution_m(), is_occupied }
     }
 

@@ -1,3 +1,4 @@
+mod circular;
 mod oracles;
 mod properties;
 mod rooms;

@@ -141,8 +141,7 @@ impl Office {
 fn to_box(from: [f64; 2], along: [f64; 2], sides: &[f64; 4]) -> Option<f64> {
     let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
     for axis in 0..2 {
-        let (a, b) =
-            ((sides[axis] - from[axis]) / along[axis], (sides[axis + 2] - from[axis]) / along[axis]);
+        let (a, b) = ((sides[axis] - from[axis]) / along[axis], (sides[axis + 2] - from[axis]) / along[axis]);
         enter = enter.max(a.min(b));
         leave = leave.min(a.max(b));
     }

@@ -141,7 +141,8 @@ impl Locator {
         fitting.sort_by(|a, b| b.score.total_cmp(&a.score));
         let mut apart: Vec<Hypothesis> = Vec::new();
         for hypothesis in fitting {
-            let is_known = apart.iter().any(|better| is_one(&better.map_from_base, &hypothesis.map_from_base));
+            let is_known =
+                apart.iter().any(|better| is_one(&better.map_from_base, &hypothesis.map_from_base));
             let is_worse =
                 apart.first().is_some_and(|best| hypothesis.score < best.score - self.settings.limits.alike);
             if !is_known && !is_worse {

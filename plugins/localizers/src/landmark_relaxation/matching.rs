@@ -75,8 +75,10 @@ impl Matcher {
     /// Of places nearer than 0.30 m to each other only the best is kept.
     pub fn places(&mut self, known: &Knowledge, cells: &[CellScore], observed: &[Landmark]) -> Vec<Place> {
         let relations = Relations::of(observed);
-        let mut places: Vec<Place> =
-            cells.iter().flat_map(|score| self.places_of(known, score.cell, (observed, &relations))).collect();
+        let mut places: Vec<Place> = cells
+            .iter()
+            .flat_map(|score| self.places_of(known, score.cell, (observed, &relations)))
+            .collect();
         places.sort_by(|a, b| {
             b.n_matches.cmp(&a.n_matches).then(a.squared_error_m2.total_cmp(&b.squared_error_m2))
         });

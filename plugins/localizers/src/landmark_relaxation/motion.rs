@@ -38,8 +38,7 @@ impl Motion {
     /// Takes in where the odometer is now.
     pub fn follow(&mut self, odom_from_base: Pose2, now: Time) {
         // Step by step, so that half a turn and more is told from its opposite.
-        self.turned_rad +=
-            wrap_angle(odom_from_base.rotation.angle() - self.odom_from_last.rotation.angle());
+        self.turned_rad += wrap_angle(odom_from_base.rotation.angle() - self.odom_from_last.rotation.angle());
         self.odom_from_last = odom_from_base;
         let left = self.left().abs();
         if left < self.least_left - PROGRESS {

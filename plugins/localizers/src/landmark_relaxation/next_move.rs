@@ -57,9 +57,9 @@ pub fn next_move(
             break;
         }
     }
-    let longest = [2.0, 1.0, 0.5].into_iter().find_map(|share| {
-        open_moves(panorama, limits.way_m * share, limits.radius_m).next()
-    });
+    let longest = [2.0, 1.0, 0.5]
+        .into_iter()
+        .find_map(|share| open_moves(panorama, limits.way_m * share, limits.radius_m).next());
     most_different.filter(|(difference, _)| *difference >= LEAST_DIFFERENT).map(|(_, next)| next).or(longest)
 }
 

@@ -165,10 +165,8 @@ impl LandmarkRelaxation {
 fn candidates_of(places: &[Hypothesis]) -> Vec<Candidate> {
     let all: f64 = places.iter().map(|place| place.score).sum();
     let share = |score: f64| if all > 0.0 { score / all } else { 1.0 / places.len() as f64 };
-    let candidate = |place: &Hypothesis| Candidate {
-        map_from_base: place.map_from_base,
-        score: share(place.score),
-    };
+    let candidate =
+        |place: &Hypothesis| Candidate { map_from_base: place.map_from_base, score: share(place.score) };
     places.iter().map(candidate).collect()
 }
 

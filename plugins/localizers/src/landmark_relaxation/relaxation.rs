@@ -116,9 +116,8 @@ pub fn best(allowed: &[Assignment], observed: &[Landmark], model: &[Landmark]) -
         (seen.distance_m - known.distance_m).abs()
     };
     let best_of = |group: &[Assignment]| {
-        let better = |a: &&Assignment, b: &&Assignment| {
-            a.support.cmp(&b.support).then(off_m(b).total_cmp(&off_m(a)))
-        };
+        let better =
+            |a: &&Assignment, b: &&Assignment| a.support.cmp(&b.support).then(off_m(b).total_cmp(&off_m(a)));
         group.iter().max_by(better).filter(|assignment| assignment.support >= 1).copied()
     };
     allowed.chunk_by(|a, b| a.observed == b.observed).filter_map(best_of).collect()

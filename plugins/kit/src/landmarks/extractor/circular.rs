@@ -1,10 +1,10 @@
 //! Landmarks of a scan all around, whose last reading lies beside the first.
 //!
 //! Such a scan has to be cut somewhere. Cut in a wall, it would show two shorter ones; so it is cut where nobody knows what
-//! is there, else at the largest jump of the range, else at a corner.
+//! is there, else at the largest jump of the range, else at the farthest reading, which is a corner of what is around.
 
 use super::super::discontinuities::{Gap, gap_after};
-use super::{Extractor, Landmark, LandmarkKind, Reading};
+use super::{Extractor, Landmark, LandmarkKind, Reading, apart};
 
 /// Where a scan is cut.
 enum Seam {
@@ -12,10 +12,8 @@ enum Seam {
     Unknown(usize),
     /// Between this reading and the one before it the range jumps.
     Jump(usize),
-    /// This reading is a corner.
-    Corner(Landmark),
-    /// Nothing tells one reading from another: a round room.
-    Anywhere,
+    /// This reading is the farthest.
+    Corner(usize),
 }
 
 /// Readings of the beginning that are seen again after the end, so that the last jump is judged as all others are.
@@ -35,51 +33,71 @@ impl Extractor {
         self.readings.extend(readings);
         self.beam_step_rad = step_rad;
         let n = self.readings.len();
-        let (start, n_repeated, corner) = match self.seam(reach_m) {
-            Seam::Unknown(start) | Seam::Jump(start) => (start, N_REPEATED, None),
+        let (start, n_repeated) = match self.seam() {
+            Seam::Unknown(start) | Seam::Jump(start) => (start, N_REPEATED),
             // The wall that ends at the corner needs its last reading.
-            Seam::Corner(corner) => (corner.beams[0] as usize, 1, Some(corner)),
-            Seam::Anywhere => (0, 0, None),
+            Seam::Corner(start) => (start, 1),
         };
-        self.landmarks.clear();
-        self.readings.truncate(n);
         self.readings.rotate_left(start);
         self.readings.extend_from_within(..n_repeated.min(n));
         self.collect(reach_m);
+        if n_repeated == 1 {
+            self.add_corner_at_seam();
+        }
         self.readings.truncate(n);
         self.landmarks.retain(|landmark| (landmark.beams[0] as usize) < n);
         for landmark in &mut self.landmarks {
             landmark.beams = landmark.beams.map(|beam| ((beam as usize + start) % n) as u32);
         }
-        self.landmarks.extend(corner);
         self.readings.rotate_right(start);
         &self.landmarks
     }
 
-    /// Leaves repeated readings and landmarks behind.
-    fn seam(&mut self, reach_m: f64) -> Seam {
+    fn seam(&mut self) -> Seam {
         let n = self.readings.len();
         if let Some(start) = after_longest_gap(&self.readings) {
             return Seam::Unknown(start);
         }
         self.readings.extend_from_within(..N_REPEATED.min(n));
         let mut largest = (0.0, None);
-        for idx in 1..self.readings.len().saturating_sub(2) {
+        for (idx, pair) in self.readings.windows(2).enumerate().take(n + 1).skip(1) {
             if gap_after(&self.readings, idx, &self.settings) == Gap::Jump {
-                let jump_m = (self.readings[idx + 1].range_m - self.readings[idx].range_m).abs();
+                let jump_m = (pair[1].range_m - pair[0].range_m).abs();
                 if jump_m > largest.0 {
                     largest = (jump_m, Some((idx + 1) % n));
                 }
             }
         }
-        if let Some(start) = largest.1 {
-            return Seam::Jump(start);
-        }
         self.readings.truncate(n);
-        self.collect(reach_m);
-        let is_corner = |landmark: &&Landmark| matches!(landmark.kind, LandmarkKind::Corner { .. });
-        self.landmarks.iter().find(is_corner).map_or(Seam::Anywhere, |corner| Seam::Corner(*corner))
+        largest.1.map_or_else(|| Seam::Corner(farthest(&self.readings)), Seam::Jump)
     }
+
+    /// An outline that has a corner anywhere has one at its farthest point.
+    fn add_corner_at_seam(&mut self) {
+        let is_corner = |landmark: &Landmark| matches!(landmark.kind, LandmarkKind::Corner { .. });
+        let [corner, after, .., before, _] = self.readings.as_slice() else { return };
+        if !self.landmarks.iter().any(is_corner) {
+            return;
+        }
+        let spacing_m = apart(before, corner).max(apart(corner, after));
+        self.landmarks.push(Landmark {
+            distance_m: corner.range_m,
+            bearing_rad: Self::bearing_rad(corner),
+            kind: LandmarkKind::Corner { spacing_m },
+            beams: [0; 2],
+        });
+    }
+}
+
+/// The farthest reading, of several the first; the first of all without readings.
+fn farthest(readings: &[Reading]) -> usize {
+    let mut farthest = (f64::NEG_INFINITY, 0);
+    for (idx, reading) in readings.iter().enumerate() {
+        if reading.range_m > farthest.0 {
+            farthest = (reading.range_m, idx);
+        }
+    }
+    farthest.1
 }
 
 /// The first reading after the longest run of beams without one, of several the first; none where all beams have a reading
