@@ -24,6 +24,8 @@ pub struct MappedMark {
 const SAME_WALL: (f64, f64) = (0.052, 0.025);
 /// Pieces of one line that are farther apart than this are two walls, meters.
 const GAP_M: f64 = 0.15;
+/// A wall farther on than this is off in its own way, meters.
+const LONGEST_M: f64 = 6.0;
 /// Two views of one point differ by no more than this, meters, or by what beams leave open.
 const SAME_POINT_M: f64 = 0.08;
 
@@ -69,7 +71,7 @@ impl MappedMark {
         let [along, across] = self.along_across(&other.place);
         wrap_angle(self.normal_rad - other.normal_rad).abs() <= SAME_WALL.0
             && across.abs() <= SAME_WALL.1
-            && along.abs() <= self.reach_m + other.reach_m + GAP_M
+            && along.abs() <= (self.reach_m + other.reach_m + GAP_M).min(LONGEST_M)
     }
 
     fn distance_m(&self, other: &MappedMark) -> f64 {

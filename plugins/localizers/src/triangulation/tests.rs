@@ -1,4 +1,6 @@
+mod cases;
 mod drive;
+mod joint;
 mod place;
 mod tracking;
 mod worked_examples;

@@ -106,3 +106,50 @@ fn the_bars_are_kept_with_noise_on_most_landmarks() {
     keeps_the_bar("40 % noise", &with_noise(0.4), &Hardship::default(), 6);
     keeps_the_bar("60 % noise", &with_noise(0.6), &Hardship::default(), 6);
 }
+
+#[test]
+fn the_covariance_means_what_it_says() {
+    for (map, ..) in DRIVES {
+        for errs in [true, false] {
+            let hardship = Hardship { odometer_errs: errs, ..Hardship::default() };
+            let outcomes = drives(map, &TriangulationParams::default(), &hardship, 15);
+            // Three degrees of freedom: 3 on average, and one in a hundred above 11.3.
+            let (mean, beyond) = nees(&outcomes);
+            println!("{map}, odometer errs {errs}: mean NEES {mean:.2}, {:.1} % beyond 11.3", 100.0 * beyond);
+            assert!((1.5..4.0).contains(&mean) && beyond < 0.04, "{map}: {mean} {beyond}");
+        }
+    }
+}
+
+#[test]
+fn pairs_follow_the_robot_on_the_map_and_the_source_s_way_keeps_the_heading_better_than_the_odometer() {
+    let pairs = TriangulationParams { estimator: Estimator::Pairs, ..TriangulationParams::default() };
+    let found = told("pairs, 10x10", &drives("10x10", &pairs, &Hardship::default(), 10));
+    assert!(found[0] < 5.0 && found[1] < 5.0 && found[2] < 2.0, "{found:?}");
+    let thesis = TriangulationParams { thesis_mode: true, ..TriangulationParams::default() };
+    let outcomes = drives("5x5", &thesis, &Hardship::default(), 20);
+    let found = told("as printed, 5x5", &outcomes);
+    let odometry = mean_end(&outcomes, |outcome| outcome.odometry_end);
+    assert!(found[2] < odometry[2], "{found:?} {odometry:?}");
+}
+
+#[test]
+fn the_same_drive_gives_the_same_bits_also_with_noise() {
+    let office = Office::like("5x5", 2);
+    let once = |seed| drive(&office, &with_noise(0.6).settings(), 1.0, &Hardship::default(), seed);
+    assert_eq!(format!("{:?}", once(2)), format!("{:?}", once(2)));
+    assert_ne!(format!("{:?}", once(2)), format!("{:?}", once(3)));
+}
+
+#[test]
+fn zz_thesis() {
+    for (n_beams, errs, noise, walker) in [(721, false, 0.0, false), (721, false, 0.2, false), (721, true, 0.2, false), (721, false, 0.2, true), (361, false, 0.2, false)] {
+        for (map, length_m, _) in DRIVES.into_iter().take(2) {
+            let thesis = TriangulationParams { thesis_mode: true, landmark_noise: Some(LandmarkNoiseParams { share: noise, ..LandmarkNoiseParams::default() }), ..TriangulationParams::default() };
+            let hardship = Hardship { n_beams, odometer_errs: errs, has_walker: walker, start_is_off: false, tilted: 0.0 };
+            let office = Office::exact(map);
+            let outcomes: Vec<Outcome> = (0..n_drives(30)).map(|seed| drive(&office, &thesis.settings(), length_m, &hardship, seed)).collect();
+            told(&format!("{map} beams {n_beams} errs {errs} noise {noise} walker {walker}"), &outcomes);
+        }
+    }
+}
