@@ -3,6 +3,7 @@ mod drive;
 mod joint;
 mod place;
 mod tracking;
+mod whole_plugin;
 mod worked_examples;
 
 use super::correspondence::{Relation, Tolerances, keep_consistent, predicted, relate};

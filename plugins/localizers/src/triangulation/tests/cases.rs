@@ -124,7 +124,10 @@ fn a_robot_carried_elsewhere_is_lost_and_one_that_was_not_is_not() {
                 n_scans += n;
             }
         }
-        println!("{name}: {n_lost} of 20 carried away are called lost, after {} scans", n_scans / n_lost.max(1));
+        println!(
+            "{name}: {n_lost} of 20 carried away are called lost, after {} scans",
+            n_scans / n_lost.max(1)
+        );
         assert!(n_lost >= 18, "{name}: {n_lost}");
     }
 }

@@ -50,7 +50,8 @@ fn changes_of_what_is_expected_are_those_of_finite_differences() {
         let (at, offset) = (vector(&pose), Vector2::new(0.013, -0.008));
         let found = sighting.residual(&at, &offset, &mount());
         let step = 1e-6;
-        let expected_at = |pose: Vector3<f64>, offset: Vector2<f64>| -sighting.residual(&pose, &offset, &mount()).off;
+        let expected_at =
+            |pose: Vector3<f64>, offset: Vector2<f64>| -sighting.residual(&pose, &offset, &mount()).off;
         for k in 0..3 {
             let moved = Vector3::ith(k, step);
             let change = (expected_at(at + moved, offset) - expected_at(at - moved, offset)) / (2.0 * step);
@@ -85,12 +86,18 @@ fn errors_of_a_way_are_those_of_finite_differences_and_of_a_bent_way_in_many_ste
         bent *= pose2(0.4 / f64::from(n), 0.0, bend * 0.4 / f64::from(n));
     }
     let straight = Way { along: (start.rotation * Vector2::new(0.4, 0.0)).xy(), turn_rad: 0.0 };
-    let expected = vector(&(start * pose2(0.4, 0.0, 0.0))) + straight.by_errors() * Vector3::new(0.0, bend, 0.0);
+    let expected =
+        vector(&(start * pose2(0.4, 0.0, 0.0))) + straight.by_errors() * Vector3::new(0.0, bend, 0.0);
     assert!((vector(&bent) - expected).norm() < 1e-5, "{bent} {expected}");
 }
 
 /// The same estimate in another form: Gauss and Newton on the sum of squares of prior and sightings.
-fn by_information(sightings: &[Sighting], start: &Pose2, covariance: &Matrix3<f64>, n: usize) -> (Vector3<f64>, Matrix3<f64>) {
+fn by_information(
+    sightings: &[Sighting],
+    start: &Pose2,
+    covariance: &Matrix3<f64>,
+    n: usize,
+) -> (Vector3<f64>, Matrix3<f64>) {
     let prior_of = |mapped: &MappedMark| offset_variances(mapped, &ERRORS).map(|v| 1.0 / v);
     let mut prior = DMatrix::zeros(3 + 2 * n, 3 + 2 * n);
     prior.fixed_view_mut::<3, 3>(0, 0).copy_from(&covariance.try_inverse().unwrap());
@@ -224,6 +231,38 @@ fn errors_of_the_odometer_that_stay_are_learned() {
     joint.carry(&told, noise);
     assert!((joint.pose_covariance() - covariance).norm() < 1e-15);
     assert!((vector(&joint.map_from_base()) - vector(&found)).norm() < 1e-12);
+}
+
+#[test]
+fn a_wall_goes_on_much_as_it_was_and_the_next_is_unknown() {
+    let start = pose2(0.0, 0.0, 0.0);
+    let mut joint = Joint::new(&start, &variances(1e-4, 1e-4, 1e-5));
+    let piece = |x: f64, side: f64| MappedMark {
+        is_wall: true,
+        place: Point2::new(x, side),
+        normal_rad: side.signum() * std::f64::consts::FRAC_PI_2,
+        reach_m: 3.5,
+    };
+    // The pose is known, and the wall to the left is 1 cm farther than the map has it.
+    let (known, seen) = (wall(1.0, 90.0), wall(1.01, 90.0));
+    let (slot, pivot) = joint.slot_of(piece(0.0, 1.0), 1, &ERRORS);
+    let sighting =
+        Sighting::new(&Relation { known, seen, off_m: 0.0 }, piece(0.0, 1.0), pivot, slot, &ERRORS);
+    let mut posterior = None;
+    for _ in 0..30 {
+        let found = joint.posterior(&[sighting], &Vector3::zeros(), &Pose2::identity()).unwrap();
+        joint.accept(found.clone());
+        posterior = Some(found);
+    }
+    assert_eq!(posterior.unwrap().n_possible, 1);
+    let beside = joint.slot_of(piece(6.9, 1.0), 2, &ERRORS).0.unwrap();
+    let across = joint.slot_of(piece(0.0, -1.0), 2, &ERRORS).0.unwrap();
+    let offset = |joint: &Joint, idx: usize| joint.marks().all()[idx].offset.x;
+    assert!((offset(&joint, beside) - 0.0095).abs() < 5e-4, "{}", offset(&joint, beside));
+    assert_eq!(offset(&joint, across), 0.0);
+    let deviation = |joint: &Joint, idx: usize| joint.offset_variance(idx).sqrt();
+    assert!(deviation(&joint, beside) < 0.4 * ERRORS.map_m, "{}", deviation(&joint, beside));
+    assert!((deviation(&joint, across) - ERRORS.map_m).abs() < 1e-12);
 }
 
 #[test]

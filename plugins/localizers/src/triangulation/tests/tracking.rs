@@ -122,15 +122,39 @@ fn the_covariance_means_what_it_says() {
 }
 
 #[test]
-fn pairs_follow_the_robot_on_the_map_and_the_source_s_way_keeps_the_heading_better_than_the_odometer() {
+fn pairs_follow_the_robot_on_the_map() {
     let pairs = TriangulationParams { estimator: Estimator::Pairs, ..TriangulationParams::default() };
-    let found = told("pairs, 10x10", &drives("10x10", &pairs, &Hardship::default(), 10));
-    assert!(found[0] < 5.0 && found[1] < 5.0 && found[2] < 2.0, "{found:?}");
-    let thesis = TriangulationParams { thesis_mode: true, ..TriangulationParams::default() };
-    let outcomes = drives("5x5", &thesis, &Hardship::default(), 20);
-    let found = told("as printed, 5x5", &outcomes);
-    let odometry = mean_end(&outcomes, |outcome| outcome.odometry_end);
-    assert!(found[2] < odometry[2], "{found:?} {odometry:?}");
+    for (map, most_cm) in [("5x5", 3.0), ("10x10", 3.0)] {
+        let found = told(&format!("pairs, {map}"), &drives(map, &pairs, &Hardship::default(), 10));
+        assert!(found[0] < most_cm && found[1] < most_cm && found[2] < 0.5, "{found:?}");
+    }
+}
+
+/// As printed, with the source's noise on landmarks, in offices that are exactly like their maps.
+fn as_printed(map: &str, hardship: Hardship, usual: u64) -> [f64; 3] {
+    let (_, length_m, _) = *DRIVES.iter().find(|(name, ..)| *name == map).unwrap();
+    let thesis = TriangulationParams { thesis_mode: true, ..with_noise(0.2) };
+    let hardship = Hardship { start_is_off: false, ..hardship };
+    let office = Office::exact(map);
+    let one = |seed| drive(&office, &thesis.settings(), length_m, &hardship, seed);
+    let outcomes: Vec<Outcome> = (0..n_drives(usual)).map(one).collect();
+    told(&format!("as printed, {map}, {hardship:?}"), &outcomes)
+}
+
+#[test]
+fn the_source_s_way_is_as_good_as_in_the_reference_simulation() {
+    // Mean errors in x, y (centimeters) and heading (degrees) of 30 drives with scans of 0.25 degrees, perfect odometry
+    // and nobody in the way. Other routes and other chance: twice these is the same.
+    let alone = Hardship { odometer_errs: false, has_walker: false, n_beams: 721, ..Hardship::default() };
+    for (map, reference) in [("5x5", [5.4, 4.3, 1.3]), ("10x10", [7.3, 6.3, 2.1])] {
+        let found = as_printed(map, alone, 30);
+        for (found, reference) in found.iter().zip(reference) {
+            assert!((0.5 * reference..2.0 * reference).contains(found), "{map}: {found} for {reference}");
+        }
+    }
+    // Its points jump by a beam: with half the beams it is worse, and the default way is not.
+    let coarse = as_printed("10x10", Hardship { n_beams: 361, ..alone }, 30);
+    assert!(coarse[0] + coarse[1] > 13.6, "{coarse:?}");
 }
 
 #[test]
@@ -139,17 +163,4 @@ fn the_same_drive_gives_the_same_bits_also_with_noise() {
     let once = |seed| drive(&office, &with_noise(0.6).settings(), 1.0, &Hardship::default(), seed);
     assert_eq!(format!("{:?}", once(2)), format!("{:?}", once(2)));
     assert_ne!(format!("{:?}", once(2)), format!("{:?}", once(3)));
-}
-
-#[test]
-fn zz_thesis() {
-    for (n_beams, errs, noise, walker) in [(721, false, 0.0, false), (721, false, 0.2, false), (721, true, 0.2, false), (721, false, 0.2, true), (361, false, 0.2, false)] {
-        for (map, length_m, _) in DRIVES.into_iter().take(2) {
-            let thesis = TriangulationParams { thesis_mode: true, landmark_noise: Some(LandmarkNoiseParams { share: noise, ..LandmarkNoiseParams::default() }), ..TriangulationParams::default() };
-            let hardship = Hardship { n_beams, odometer_errs: errs, has_walker: walker, start_is_off: false, tilted: 0.0 };
-            let office = Office::exact(map);
-            let outcomes: Vec<Outcome> = (0..n_drives(30)).map(|seed| drive(&office, &thesis.settings(), length_m, &hardship, seed)).collect();
-            told(&format!("{map} beams {n_beams} errs {errs} noise {noise} walker {walker}"), &outcomes);
-        }
-    }
 }
