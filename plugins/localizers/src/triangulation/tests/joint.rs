@@ -8,6 +8,7 @@ use super::super::sighting::{Sighting, offset_variances};
 use super::*;
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 use rumbo_core::frames::{Point2, wrap_angle};
+use std::f64::consts::PI;
 
 const ERRORS: LandmarkErrors = LandmarkErrors { range_m: 0.015, map_m: 0.0144, map_rad: 0.0035 };
 const MOUNT: [f64; 3] = [0.2, -0.1, 0.3];
@@ -240,7 +241,7 @@ fn a_wall_goes_on_much_as_it_was_and_the_next_is_unknown() {
     let piece = |x: f64, side: f64| MappedMark {
         is_wall: true,
         place: Point2::new(x, side),
-        normal_rad: side.signum() * std::f64::consts::FRAC_PI_2,
+        normal_rad: side.signum() * PI / 2.0,
         reach_m: 3.5,
     };
     // The pose is known, and the wall to the left is 1 cm farther than the map has it.
@@ -304,5 +305,5 @@ fn pieces_of_one_wall_are_one_place_and_the_next_wall_is_another() {
     assert_eq!(marks.find_or_add(wall(2.2, 0.0, 0.0), 1), Slot::Known(0), "and on");
     assert_eq!(marks.find_or_add(wall(5.5, 0.0, 0.0), 1), Slot::Added(1), "beyond a door");
     assert_eq!(marks.find_or_add(wall(0.0, 0.05, 0.0), 1), Slot::Added(2), "a cell behind");
-    assert_eq!(marks.find_or_add(wall(0.0, 0.0, 3.14), 1), Slot::Added(3), "its other side");
+    assert_eq!(marks.find_or_add(wall(0.0, 0.0, PI), 1), Slot::Added(3), "its other side");
 }

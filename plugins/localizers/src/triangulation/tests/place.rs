@@ -167,7 +167,7 @@ impl Office {
                 yaw += (next - yaw).clamp(-STEP_RAD, STEP_RAD);
                 poses.push(pose2(x, y, yaw));
             }
-            let mut left_m = free_m.max(0.0).min(3.0).min(length_m - driven_m);
+            let mut left_m = free_m.clamp(0.0, 3.0).min(length_m - driven_m);
             driven_m += left_m;
             while left_m > 1e-9 {
                 let step_m = left_m.min(STEP_M);
