@@ -43,8 +43,8 @@ mod tests {
         assert_eq!(share(&expected, &seen), Some(0.5), "somebody before a wall, and a wall that is gone");
         seen[20..30].fill(f32::NAN);
         assert_eq!(share(&expected, &seen), Some(1.0 / 3.0), "beams without an answer say nothing");
-        assert_eq!(share(&vec![f64::NAN; 40], &seen), None, "nor does an unknown map");
-        assert_eq!(share(&vec![f64::INFINITY; 40], &vec![f32::INFINITY; 40]), None, "nor an empty place");
-        assert_eq!(share(&vec![f64::INFINITY; 40], &vec![3.0; 40]), Some(0.0));
+        assert_eq!(share(&[f64::NAN; 40], &seen), None, "nor does an unknown map");
+        assert_eq!(share(&[f64::INFINITY; 40], &[f32::INFINITY; 40]), None, "nor an empty place");
+        assert_eq!(share(&[f64::INFINITY; 40], &[3.0; 40]), Some(0.0));
     }
 }

@@ -10,6 +10,8 @@ use super::sighting::{Residual, Sighting, offset_variances};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 use rumbo_core::frames::{Point2, Pose2, pose2, wrap_angle};
 
+/// Correlation of offsets of two pieces of one wall.
+const ALIKE: f64 = 0.95;
 /// Where offsets begin in the state.
 const OFFSETS: usize = 6;
 
@@ -71,6 +73,12 @@ impl Joint {
     /// Covariance of x, y, yaw.
     pub fn pose_covariance(&self) -> Matrix3<f64> {
         self.covariance.fixed_view::<3, 3>(0, 0).into_owned()
+    }
+
+    /// Variance of the first part of a place's offset.
+    #[cfg(test)]
+    pub(super) fn offset_variance(&self, idx: usize) -> f64 {
+        self.covariance[(OFFSETS + 2 * idx, OFFSETS + 2 * idx)]
     }
 
     /// The places.
@@ -146,33 +154,41 @@ impl Joint {
         scan: u64,
         errors: &LandmarkErrors,
     ) -> (Option<usize>, Point2) {
+        let beside = self.marks.piece_beside(&mapped);
         let idx = match self.marks.find_or_add(mapped, scan) {
             Slot::Known(idx) => idx,
             Slot::Full => return (None, mapped.place),
             Slot::Added(idx) => {
                 let n = self.covariance.nrows();
                 self.covariance.resize_mut(n + 2, n + 2, 0.0);
-                self.forget(idx, &mapped, errors);
+                self.begin(idx, beside, &mapped, errors);
                 idx
             }
             Slot::Replaced(idx) => {
-                self.forget(idx, &mapped, errors);
+                self.begin(idx, beside.filter(|beside| *beside != idx), &mapped, errors);
                 idx
             }
         };
         (Some(idx), self.marks.get(idx).map_or(mapped.place, |mark| mark.mapped.place))
     }
 
-    /// Nothing is known of this offset but what the map promises.
-    fn forget(&mut self, idx: usize, mapped: &MappedMark, errors: &LandmarkErrors) {
-        let at = OFFSETS + 2 * idx;
-        for k in at..at + 2 {
-            self.covariance.row_mut(k).fill(0.0);
-            self.covariance.column_mut(k).fill(0.0);
-        }
+    /// Of a new place's offset nothing is known but what the map promises, and that a wall goes on much as it was beside.
+    fn begin(&mut self, idx: usize, beside: Option<usize>, mapped: &MappedMark, errors: &LandmarkErrors) {
+        let alike = if beside.is_some() { ALIKE } else { 0.0 };
         let variances = offset_variances(mapped, errors);
-        self.covariance[(at, at)] = variances.x;
-        self.covariance[(at + 1, at + 1)] = variances.y;
+        let offset = beside.and_then(|idx| self.marks.get(idx)).map_or(Vector2::zeros(), |mark| mark.offset);
+        self.marks.set_offset(idx, offset * alike);
+        for k in 0..2 {
+            let at = OFFSETS + 2 * idx + k;
+            let mut shared = match beside {
+                Some(beside) => self.covariance.column(OFFSETS + 2 * beside + k) * alike,
+                None => DVector::zeros(self.covariance.nrows()),
+            };
+            let own = beside.map_or(0.0, |beside| shared[OFFSETS + 2 * beside + k] * alike);
+            shared[at] = own + (1.0 - alike * alike) * variances[k];
+            self.covariance.set_column(at, &shared);
+            self.covariance.set_row(at, &shared.transpose());
+        }
     }
 
     fn state(&self) -> DVector<f64> {

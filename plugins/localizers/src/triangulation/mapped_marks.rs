@@ -24,6 +24,9 @@ pub struct MappedMark {
 const SAME_WALL: (f64, f64) = (0.052, 0.025);
 /// Pieces of one line that are farther apart than this are two walls, meters.
 const GAP_M: f64 = 0.15;
+/// What lies farther along a wall than this is a place of its own, meters: its direction is off by too little to say how
+/// far a wall is off there.
+const LONGEST_M: f64 = 6.0;
 /// Two views of one point differ by no more than this, meters, or by what beams leave open.
 const SAME_POINT_M: f64 = 0.08;
 
@@ -60,14 +63,18 @@ impl MappedMark {
 
     /// Both are views of the same thing.
     fn is_same(&self, other: &MappedMark) -> bool {
-        if self.is_wall != other.is_wall {
-            return false;
+        if self.is_wall || other.is_wall {
+            return self.goes_on_as(other) && self.along_across(&other.place)[0].abs() <= LONGEST_M;
         }
-        if !self.is_wall {
-            return (self.place - other.place).norm() <= SAME_POINT_M.max(other.reach_m);
-        }
+        (self.place - other.place).norm() <= SAME_POINT_M.max(other.reach_m)
+    }
+
+    /// Both are pieces of one wall without a gap.
+    fn goes_on_as(&self, other: &MappedMark) -> bool {
         let [along, across] = self.along_across(&other.place);
-        wrap_angle(self.normal_rad - other.normal_rad).abs() <= SAME_WALL.0
+        self.is_wall
+            && other.is_wall
+            && wrap_angle(self.normal_rad - other.normal_rad).abs() <= SAME_WALL.0
             && across.abs() <= SAME_WALL.1
             && along.abs() <= self.reach_m + other.reach_m + GAP_M
     }
@@ -132,11 +139,25 @@ impl MappedMarks {
         self.marks.get(idx)
     }
 
+    /// What is known of an offset.
+    pub fn set_offset(&mut self, idx: usize, offset: Vector2<f64>) {
+        if let Some(mark) = self.marks.get_mut(idx) {
+            mark.offset = offset;
+        }
+    }
+
     /// Takes over offsets, in order.
     pub fn set_offsets(&mut self, offsets: impl Iterator<Item = Vector2<f64>>) {
         for (mark, offset) in self.marks.iter_mut().zip(offsets) {
             mark.offset = offset;
         }
+    }
+
+    /// A known piece of the wall that this is a piece of.
+    pub fn piece_beside(&self, mapped: &MappedMark) -> Option<usize> {
+        let beside = self.marks.iter().enumerate().filter(|(_, mark)| mark.mapped.goes_on_as(mapped));
+        let along = |mark: &KnownMark| mark.mapped.along_across(&mapped.place)[0].abs();
+        beside.min_by(|(_, a), (_, b)| along(a).total_cmp(&along(b))).map(|(idx, _)| idx)
     }
 
     /// Finds what was seen in scan number `scan` among the known places, or adds it.

@@ -132,7 +132,6 @@ impl Params for TriangulationParams {
             ("consistent_deg", self.consistent_deg),
             ("median_m", self.median_m),
             ("range_deviation_m", self.range_deviation_m),
-            ("map_deviation_m", self.map_deviation_m),
             ("map_deviation_deg", self.map_deviation_deg),
             ("jump_m", self.jump_m),
         ];
@@ -142,6 +141,10 @@ impl Params for TriangulationParams {
                 BuildError::at(key, format!("is {value}, expected a finite number above zero"))
             })
             .collect();
+        if !(0.0..=1.0).contains(&self.map_deviation_m) {
+            let found = format!("is {}, expected 0 to 1", self.map_deviation_m);
+            faults.push(BuildError::at("map_deviation_m", found));
+        }
         if !(0.0..=3600.0).contains(&self.period_s) {
             faults.push(BuildError::at("period_s", format!("is {}, expected 0 to 3600", self.period_s)));
         }

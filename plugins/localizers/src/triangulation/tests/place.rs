@@ -66,10 +66,20 @@ impl Office {
         let maps = file["map"].as_array().unwrap();
         let map = maps.iter().find(|map| map["name"].as_str() == Some(name)).unwrap();
         let size = GridSize::new(number(&map["columns"]), number(&map["lines"]));
+        let rectangles = map["rectangles"].as_array().unwrap().iter();
+        let rectangles: Vec<[usize; 5]> =
+            rectangles.map(|rectangle| [0, 1, 2, 3, 4].map(|k| number(&rectangle[k]))).collect();
+        let office = Office::of(size, &rectangles, off_m);
+        let n_occupied = office.grid.cells.iter().filter(|cell| **cell > 0.0).count();
+        assert_eq!(n_occupied, number(&map["occupied_cells"]), "{name}");
+        office
+    }
+
+    /// Line, column, height, width (cells, lines from the top) and whether it is solid, in order.
+    pub fn of(size: GridSize, rectangles: &[[usize; 5]], off_m: &mut dyn FnMut() -> f64) -> Office {
         let mut occupied = vec![0_u8; size.n_cells()];
         let mut blocks = Vec::new();
-        for rectangle in map["rectangles"].as_array().unwrap() {
-            let [line, column, height, width, value] = [0, 1, 2, 3, 4].map(|k| number(&rectangle[k]));
+        for [line, column, height, width, value] in rectangles.iter().copied() {
             for line in line..line + height {
                 for column in column..column + width {
                     occupied[size.index(column, size.height - 1 - line)] = value as u8;
@@ -83,11 +93,18 @@ impl Office {
             let high = [face(column + width) + beside, face(size.height - line) + above];
             blocks.push(Block { low, high, is_solid: value == 1 });
         }
-        let n_occupied = occupied.iter().filter(|cell| **cell == 1).count();
-        assert_eq!(n_occupied, number(&map["occupied_cells"]), "{name}");
         let field = rumbo_kit::distance_field::squared_distance_field(size, &occupied);
         let grown: Vec<u8> = field.iter().map(|squared| u8::from(*squared <= 36)).collect();
         Office { grid: grid_of(size, &occupied), blocks, room: RayGrid::new(size, &grown), size }
+    }
+
+    /// A corridor along x that is longer than a laser looks, 2 m wide, and the line in its middle.
+    pub fn corridor(length_m: f64, seed: u64) -> (Office, f64) {
+        let n = (length_m / CELL_M) as usize;
+        let rectangles = [[0, 0, 2, n, 1], [42, 0, 2, n, 1], [0, 0, 44, 2, 1], [0, n - 2, 44, 2, 1]];
+        let mut rng = stream(seed, "walls");
+        let mut off_m = || CELL_M * rng.random_range(-0.499..0.499);
+        (Office::of(GridSize::new(n, 44), &rectangles, &mut off_m), 1.1)
     }
 
     fn is_solid(&self, [x, y]: [f64; 2]) -> bool {
@@ -150,7 +167,7 @@ impl Office {
                 yaw += (next - yaw).clamp(-STEP_RAD, STEP_RAD);
                 poses.push(pose2(x, y, yaw));
             }
-            let mut left_m = free_m.max(0.0).min(3.0).min(length_m - driven_m);
+            let mut left_m = free_m.clamp(0.0, 3.0).min(length_m - driven_m);
             driven_m += left_m;
             while left_m > 1e-9 {
                 let step_m = left_m.min(STEP_M);

@@ -156,3 +156,42 @@ fn the_turn_is_the_circular_mean_over_all_marks_also_across_the_seam() {
     let angles: Vec<f64> = numbers(&case["values"]).into_iter().map(f64::to_radians).collect();
     is_near(circular_mean(&angles).unwrap().to_degrees(), number(&case["circular_mean"]));
 }
+
+#[test]
+fn constants_of_the_weights_are_those_learned_from_the_tables() {
+    let text = include_str!("../../../tests/data/natural_landmark/quality_tables.toml");
+    let file: toml::Table = toml::from_str(text).unwrap();
+    let constants = &file["weights"];
+    let of = |key: &str| number(&constants[key]);
+    let good = &file["table_5_3"]["good"];
+    assert_eq!([number(&good[0]), number(&good[1])], [of("f_sides_same"), of("f_sides_both")]);
+    assert_eq!(ODOMETRY_WEIGHT, of("odometry"));
+    // Landmarks at the reach and in line: only the sides are left, a third of the mean.
+    for (both_sides, key) in [(true, "f_sides_both"), (false, "f_sides_same")] {
+        let worst = pair([0.0; 2], 0.0, of("f_dis_range"), both_sides);
+        is_near(weight(&worst, Weighting::Mean), of(key) / 3.0);
+    }
+}
+
+#[test]
+fn pairs_that_the_source_calls_good_weigh_more_than_those_it_calls_bad() {
+    let text = include_str!("../../../tests/data/natural_landmark/quality_tables.toml");
+    let file: toml::Table = toml::from_str(text).unwrap();
+    let rows = file["table_5_1"][0]["rows"].as_array().unwrap();
+    for weighting in [Weighting::Mean, Weighting::Product { least_sine: 0.0 }] {
+        let weights = |class: &str| -> Vec<f64> {
+            let of_class = rows.iter().filter(|row| row[4].as_str() == Some(class));
+            of_class
+                .map(|row| {
+                    let pair = pair([0.0; 2], number(&row[0]), number(&row[2]), number(&row[3]) > 0.5);
+                    weight(&pair, weighting)
+                })
+                .collect()
+        };
+        let least = |class: &str| weights(class).into_iter().fold(f64::INFINITY, f64::min);
+        let most = |class: &str| weights(class).into_iter().fold(0.0, f64::max);
+        assert!(least("good") > most("regular") && least("good") > most("bad"));
+        // The mean of three is kind to a bad pair whose landmarks are on both sides; the product is not.
+        assert!(weighting == Weighting::Mean || least("regular") > most("bad"));
+    }
+}
