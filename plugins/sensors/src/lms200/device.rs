@@ -7,6 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rumbo_core::rng::Rng;
 use serde::{Deserialize, Serialize};
 
+use super::protocol::{CountUnit, Variant};
 use crate::laser_2d::scanner::ScanShape;
 
 /// Turns of the mirror in a second; each turn gives one scan of 1 degree steps.
@@ -38,6 +39,14 @@ impl Lms200Unit {
         match self {
             Self::Millimeters => 0.001,
             Self::Centimeters => 0.01,
+        }
+    }
+
+    /// As telegrams say it.
+    pub fn count_unit(self) -> CountUnit {
+        match self {
+            Self::Millimeters => CountUnit::Millimeters,
+            Self::Centimeters => CountUnit::Centimeters,
         }
     }
 
@@ -79,6 +88,12 @@ impl Lms200Mode {
     /// Four partial scans of 1 degree steps, each a quarter degree further: the only way to 0.25 degrees over 180.
     pub fn is_partial(self) -> bool {
         (self.field_of_view_deg, self.resolution_centideg) == (180, 25)
+    }
+
+    /// What the device is switched to: partial scans have steps of 1 degree.
+    pub fn variant(self) -> Variant {
+        let resolution_centideg = if self.is_partial() { 100 } else { self.resolution_centideg as u16 };
+        Variant { field_deg: self.field_of_view_deg as u16, resolution_centideg }
     }
 
     /// Scans in a second at the device's own pace; partial scans each count.

@@ -80,6 +80,8 @@ pub struct Driver {
     last_fault: Option<DriverFault>,
     device_type: Option<String>,
     speed: LineSpeed,
+    /// What the device says about its own.
+    device_speed: LineSpeed,
     task: Task,
     /// When the task is overdue.
     deadline: Time,
@@ -101,6 +103,7 @@ impl Driver {
             last_fault: None,
             device_type: None,
             speed,
+            device_speed: speed,
             task: Task::Rest,
             deadline: now,
             n_tries: 0,
