@@ -124,13 +124,17 @@ impl Lms200Mode {
 
 /// A reading of an exact range: an error within ±15 mm, then whole counts.
 pub fn read(exact_m: f64, unit: Lms200Unit, rng: &mut Rng) -> f64 {
-    let error_m = loop {
+    unit.counted(exact_m + error_m(rng))
+}
+
+/// An error of the device, within ±15 mm.
+pub fn error_m(rng: &mut Rng) -> f64 {
+    loop {
         let normal: f64 = StandardNormal.sample(rng);
         if normal.abs() * ERROR_DEVIATION_M <= ERROR_BOUND_M {
-            break normal * ERROR_DEVIATION_M;
+            return normal * ERROR_DEVIATION_M;
         }
-    };
-    unit.counted(exact_m + error_m)
+    }
 }
 
 #[cfg(test)]

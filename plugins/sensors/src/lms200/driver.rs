@@ -89,6 +89,8 @@ pub struct Driver {
     n_tries: u32,
     last_byte_at: Time,
     last_scan_at: Time,
+    /// Bytes that came since the last telegram that was understood, or since the search began.
+    n_unheeded: u64,
 }
 
 impl Driver {
@@ -109,6 +111,7 @@ impl Driver {
             n_tries: 0,
             last_byte_at: now,
             last_scan_at: now,
+            n_unheeded: 0,
         };
         driver.begin(Task::Find { idx: 0, is_proven: false }, now);
         driver
@@ -120,6 +123,7 @@ impl Driver {
             return;
         }
         self.last_byte_at = now;
+        self.n_unheeded += bytes.len() as u64;
         if self.task == Task::Settle {
             self.deadline = now + QUIET;
         }
@@ -196,6 +200,7 @@ impl Driver {
 
     fn hear(&mut self, now: Time, telegram: Telegram, n_payload: usize) {
         let Telegram { reply, status } = telegram;
+        self.n_unheeded = 0;
         self.counters.n_polluted += u64::from(status.is_polluted());
         self.counters.n_implausible += u64::from(status.is_implausible());
         self.counters.n_errors += u64::from(status.severity() >= Severity::Error);
@@ -261,6 +266,7 @@ impl Driver {
 
     fn fail(&mut self, fault: DriverFault, now: Time) {
         self.last_fault = Some(fault);
+        self.n_unheeded = 0;
         self.counters.n_restarts += 1;
         self.begin(Task::Rest, now);
     }

@@ -1,7 +1,6 @@
 //! The real device: a thread owns its port, and the sensor takes what has come.
 
 mod laser_scan;
-mod port;
 mod worker;
 
 use std::collections::VecDeque;

@@ -2,6 +2,7 @@
 
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
+use rumbo_kit::port::is_address;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -77,7 +78,7 @@ impl Params for Lms200Params {
         faults.extend(
             wrong.map(|(idx, baud)| BuildError::at(format!("connect_baud[{idx}]"), not_speed(*baud))),
         );
-        if self.port.as_deref().is_some_and(|port| port.is_empty() || port == "tcp://") {
+        if self.port.as_deref().is_some_and(|port| !is_address(port)) {
             let message = "names no port, expected a serial port or tcp://host:port";
             faults.push(BuildError::at("port", message));
         }

@@ -3,7 +3,7 @@
 use rumbo_core::messages::{Data, Observation, ObservationKind, Observations};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::rng::Rng;
-use rumbo_core::stages::{BuildContext, BuildError, Cx, Sensor, SensorError, World};
+use rumbo_core::stages::{BuildContext, BuildError, Cx, OwnDevice, Sensor, SensorError, World};
 use rumbo_core::time::Time;
 
 use super::device::read;
@@ -12,6 +12,9 @@ use super::live::{Interpretation, Live};
 use super::{Lms200Mode, Lms200Params, Lms200Unit};
 use crate::laser_2d::scanner::Scanned;
 use crate::recorded::Seat;
+
+/// What the device is called among emulated ones.
+pub(super) const MODEL: &str = "lms200";
 
 rumbo_core::register_sensor!(Lms200Params, "lms200", "the SICK LMS 200 laser scanner with its variants");
 
@@ -101,7 +104,7 @@ impl Sensor for Lms200 {
                 });
             }
             Scanned::Recorded => {}
-            Scanned::Live => self.device.poll(&self.seat, cx.now, out)?,
+            Scanned::Live => self.device.poll(&self.seat, cx.now, world, out)?,
         }
         Ok(())
     }
@@ -109,15 +112,20 @@ impl Sensor for Lms200 {
 
 impl Device {
     /// Passes on what has come from the device since the last time. The port is opened when a real world first asks for it.
-    fn poll(&mut self, seat: &Seat, now: Time, out: &mut Observations) -> Result<(), SensorError> {
-        let Some(port) = &self.port else {
-            let reason = "the world is real, and `port` does not say where the device is".to_owned();
-            return Err(SensorError::Device { device: seat.name.clone(), reason });
-        };
+    fn poll(
+        &mut self,
+        seat: &Seat,
+        now: Time,
+        world: &mut dyn World,
+        out: &mut Observations,
+    ) -> Result<(), SensorError> {
         if self.is_dry {
             return Ok(());
         }
-        let live = self.live.get_or_insert_with(|| Live::start(port, self.settings.clone()));
+        let live = match &mut self.live {
+            Some(live) => live,
+            empty => empty.insert(Live::start(&address(self.port.as_deref(), seat, world)?, self.settings.clone())),
+        };
         let interpretation = &self.interpretation;
         live.drain(|scan, age| {
             let data = Data::LaserScan(interpretation.laser_scan(scan, out));
@@ -130,6 +138,17 @@ impl Device {
             });
         })
     }
+}
+
+/// Where the device is.
+fn address(port: Option<&str>, seat: &Seat, world: &mut dyn World) -> Result<String, SensorError> {
+    let device =
+        OwnDevice { model: MODEL, name: &seat.name, base_from_sensor: &seat.base_from_sensor };
+    let emulated = world.emulated_device(&device)?;
+    emulated.or_else(|| port.map(str::to_owned)).ok_or_else(|| SensorError::Device {
+        device: seat.name.clone(),
+        reason: "the world is real, and `port` does not say where the device is".to_owned(),
+    })
 }
 
 #[cfg(test)]

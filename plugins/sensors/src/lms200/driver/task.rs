@@ -53,6 +53,7 @@ impl Driver {
                     self.set_speed(speed);
                     self.send(now);
                 }
+                None if self.n_unheeded > 0 => self.fail(DriverFault::SomethingElse, now),
                 None => self.fail(DriverFault::NotFound, now),
             },
             Task::Command(_) | Task::Stop | Task::StopSpeed => self.send(now),

@@ -1,4 +1,3 @@
-use std::io::{Read, Write};
 use std::net::TcpListener;
 use std::time::Duration;
 
@@ -6,41 +5,140 @@ use rumbo_core::messages::{Data, Observation, Observations};
 use rumbo_core::registry::Plugin as _;
 use rumbo_core::stages::{BuildContext, Cx, Sensor};
 use rumbo_core::trace::Trace;
+use rumbo_kit::emulation::{EmulatedDevice, LineFaultParams, LineFaults, Outlet, Served};
 
 use super::*;
 use crate::lms200::Lms200Params;
 use crate::lms200::emulator::{Emulator, Faults};
+use crate::lms200::protocol::LineSpeed;
 use crate::test_world::{TestWorld, given};
 
-/// A wall 2 m before the device, and nothing behind 60 degrees on the left.
-fn device(faults: Faults, now: Time) -> Emulator {
-    let wall = |bearing_rad: f64, _| (bearing_rad < 1.0).then(|| (2.0 / bearing_rad.cos().max(0.3), 6));
-    Emulator::new(Box::new(wall), faults, now)
+/// Nothing here takes longer, however busy the machine is.
+const MOST: Duration = Duration::from_secs(120);
+
+/// What the device sees: every value of a scan follows from the scan's number, which its first value tells.
+fn range_m(number: u64, bearing_rad: f64) -> f64 {
+    let idx = ((bearing_rad.to_degrees() + 90.0) * 2.0).round() as u64;
+    (1000 + (number * 37 + idx * idx * 7) % 4001) as f64 / 1000.0
 }
 
-/// Serves the device until the other side closes or the time is over.
-fn serve(mut line: impl Read + Write, faults: Faults, clock: Clock, most_s: f64) {
-    let mut device = device(faults, clock.now());
-    let mut buffer = [0u8; 256];
-    let end = clock.now() + Span::from_secs(most_s);
-    while clock.now() < end {
-        let n_bytes = match line.read(&mut buffer) {
-            Ok(0) => return,
-            Ok(n_bytes) => n_bytes,
-            // Nothing came, or nobody has opened the port yet.
-            Err(_) => {
-                std::thread::sleep(Duration::from_millis(1));
-                0
+/// A device whose scans are numbered, with a plug and a switch.
+struct Numbered {
+    emulator: Emulator,
+    hands: Arc<Hands>,
+}
+
+/// What a test does to a device.
+#[derive(Debug, Default)]
+struct Hands {
+    pull_plug: AtomicBool,
+    switch_off_and_on: AtomicBool,
+}
+
+impl Numbered {
+    fn new(hands: &Arc<Hands>, now: Time) -> Self {
+        let (mut number, mut measured_at) = (0, None);
+        let ranges = move |bearing_rad, at| {
+            if measured_at.replace(at) != Some(at) {
+                number += 1;
             }
+            Some((range_m(number, bearing_rad), 0))
         };
-        let speed = device.speed();
-        device.receive(clock.now(), speed, &buffer[..n_bytes]);
-        let mut bytes = Vec::new();
-        device.transmit(clock.now(), speed, &mut bytes);
-        if line.write_all(&bytes).is_err() {
-            return;
+        let emulator = Emulator::new(Box::new(ranges), Faults::none(8), now);
+        Self { emulator, hands: Arc::clone(hands) }
+    }
+
+    fn speed(&self, baud: Option<u32>) -> LineSpeed {
+        baud.map_or(self.emulator.speed(), |baud| LineSpeed::of_baud(baud).unwrap())
+    }
+}
+
+impl EmulatedDevice for Numbered {
+    fn receive(&mut self, now: Time, baud: Option<u32>, bytes: &[u8]) {
+        self.emulator.receive(now, self.speed(baud), bytes);
+    }
+
+    fn transmit(&mut self, now: Time, baud: Option<u32>, out: &mut Vec<u8>) {
+        self.emulator.faults.is_unplugged = self.hands.pull_plug.load(Ordering::Relaxed);
+        if self.hands.switch_off_and_on.swap(false, Ordering::Relaxed) {
+            self.emulator.switch_on(now);
+        }
+        // A terminal that nobody has opened yet has some speed that the device does not know.
+        if baud.is_none_or(|baud| LineSpeed::of_baud(baud).is_some()) {
+            self.emulator.transmit(now, self.speed(baud), out);
         }
     }
+}
+
+/// One byte in 50,000 is lost, and one is damaged: about one telegram in 40.
+fn serve(outlet: Outlet, hands: &Arc<Hands>, clock: Clock) -> Served {
+    let params = LineFaultParams { loss: 2e-5, flips: 2e-5, ..LineFaultParams::default() };
+    let device = Box::new(Numbered::new(hands, clock.now()));
+    Served::start(outlet, device, LineFaults::new(params, 5, "line"), Arc::new(move || clock.now())).unwrap()
+}
+
+/// A sensor that is polled, and every scan of it so far looked at.
+struct Watched {
+    sensor: Box<dyn Sensor>,
+    clock: Clock,
+    last: Option<(u64, Time)>,
+    n_scans: usize,
+    errors: Vec<String>,
+}
+
+impl Watched {
+    fn new(port: &str, clock: Clock) -> Self {
+        let sensor = sensor(port, Lms200Params::default());
+        Self { sensor, clock, last: None, n_scans: 0, errors: Vec::new() }
+    }
+
+    fn until(&mut self, what: &str, mut is_done: impl FnMut(&Self) -> bool) {
+        let (began, trace, mut world) = (Instant::now(), Trace::unwatched(), TestWorld::with_wall(1.0));
+        world.is_live = true;
+        while !is_done(self) {
+            assert!(began.elapsed() < MOST, "{what}: {} scans, {:?}", self.n_scans, self.errors.last());
+            let mut out = Observations::default();
+            let mut cx = Cx { now: self.clock.now(), trace: &trace };
+            self.errors.extend(self.sensor.poll(&mut cx, &mut world, &mut out).err().map(|e| e.to_string()));
+            given(&out).iter().for_each(|observation| self.look_at(observation));
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// It is one that the device measured, and a later one than the last.
+    fn look_at(&mut self, observation: &Observation) {
+        let Data::LaserScan(scan) = &observation.data else { panic!() };
+        assert_eq!((scan.ranges_m.len(), observation.valid), (361, true));
+        let number = (0..4001).find(|number| is_near(scan.ranges_m[0], range_m(*number, scan.bearing_rad(0))));
+        let number = number.unwrap();
+        for (idx, range) in scan.ranges_m.iter().enumerate() {
+            assert!(is_near(*range, range_m(number, scan.bearing_rad(idx))), "scan {number}, beam {idx}");
+        }
+        if let Some((last, stamp)) = self.last {
+            assert!(number > last && observation.stamp > stamp, "scan {number} after {last}");
+        }
+        self.last = Some((number, observation.stamp));
+        self.n_scans += 1;
+    }
+
+    fn until_scans(&mut self, what: &str, n_scans: usize) {
+        let n_before = self.n_scans;
+        self.until(what, |watched| watched.n_scans >= n_before + n_scans);
+    }
+
+    fn until_error(&mut self, what: &str) {
+        let n_before = self.errors.len();
+        self.until(what, |watched| watched.errors.len() > n_before);
+    }
+}
+
+fn is_near(range: f32, expected_m: f64) -> bool {
+    (f64::from(range) - expected_m).abs() < 1e-6
+}
+
+fn sensor(port: &str, params: Lms200Params) -> Box<dyn Sensor> {
+    let params = Lms200Params { port: Some(port.to_owned()), baud: 500_000, ..params };
+    params.build(&BuildContext::bare("sensor")).unwrap()
 }
 
 /// Polls for so long, and gives what came and the errors on the way.
@@ -57,66 +155,69 @@ fn poll_for(sensor: &mut dyn Sensor, clock: Clock, seconds: f64) -> (Vec<Observa
     (given(&out), errors)
 }
 
-fn sensor(port: &str, params: Lms200Params) -> Box<dyn Sensor> {
-    let params = Lms200Params { port: Some(port.to_owned()), baud: 500_000, ..params };
-    params.build(&BuildContext::bare("sensor")).unwrap()
-}
-
-fn faults() -> Faults {
-    let mut faults = Faults::none(8);
-    (faults.flip, faults.drop) = (2e-5, 2e-5);
-    faults
-}
-
-fn check_scans(found: &[Observation], errors: &[SensorError], at_least: usize) {
-    assert!(found.len() >= at_least, "{} scans, {:?}", found.len(), errors.last());
-    for observation in found {
-        let Data::LaserScan(scan) = &observation.data else { panic!() };
-        assert_eq!((scan.ranges_m.len(), observation.valid), (361, true));
-        assert!((scan.ranges_m[180] - 2.0).abs() < 1e-6, "{}", scan.ranges_m[180]);
-        assert!((scan.bearing_rad(0) + std::f64::consts::FRAC_PI_2).abs() < 1e-9);
-        assert!(scan.ranges_m[360].is_infinite() && scan.ranges_m[0].is_finite());
-    }
-    let stamps: Vec<Time> = found.iter().map(|observation| observation.stamp).collect();
-    assert!(stamps.windows(2).all(|pair| pair[0] < pair[1]), "{stamps:?}");
+/// A bad line, a plug that is out until the driver has given up, and a loss of power: no wrong scan, and scans after each.
+fn live_through_everything(outlet: Outlet) {
+    let (hands, clock) = (Arc::new(Hands::default()), Clock { began: Instant::now() });
+    let served = serve(outlet, &hands, clock);
+    let mut watched = Watched::new(served.address(), clock);
+    watched.until_scans("at first", 40);
+    hands.pull_plug.store(true, Ordering::Relaxed);
+    watched.until_error("with the plug out");
+    assert!(watched.errors.last().unwrap().contains(served.address()), "{:?}", watched.errors);
+    hands.pull_plug.store(false, Ordering::Relaxed);
+    watched.until_scans("with the plug in again", 20);
+    hands.switch_off_and_on.store(true, Ordering::Relaxed);
+    watched.until_error("after a loss of power");
+    watched.until_scans("set up anew", 20);
+    assert!(served.is_alive());
 }
 
 #[test]
-fn a_device_behind_a_bridge_is_read_in_spite_of_a_bad_line() {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = format!("tcp://{}", listener.local_addr().unwrap());
-    let clock = Clock { began: Instant::now() };
-    let server = std::thread::spawn(move || {
-        let (line, _) = listener.accept().unwrap();
-        line.set_read_timeout(Some(Duration::from_millis(2))).unwrap();
-        serve(line, faults(), clock, 8.0);
-    });
-    let mut sensor = sensor(&address, Lms200Params::default());
-    let (found, errors) = poll_for(sensor.as_mut(), clock, 5.0);
-    drop(sensor);
-    server.join().unwrap();
-    // Finding and setting it up takes about a second; 37.5 scans a second are less where others use the machine.
-    check_scans(&found, &errors, 40);
-    assert!(errors.iter().all(|error| error.to_string().contains("no answer from tcp://")), "{errors:?}");
+fn a_device_behind_a_bridge_is_read_in_spite_of_everything() {
+    live_through_everything(Outlet::tcp("127.0.0.1:0").unwrap());
 }
 
 #[cfg(unix)]
 #[test]
-fn a_device_at_a_serial_port_is_read_in_spite_of_a_bad_line() {
-    use serialport::SerialPort as _;
-    let (mut ours, theirs) = serialport::TTYPort::pair().unwrap();
-    let address = theirs.name().unwrap();
-    // The sensor wants the port for itself.
-    drop(theirs);
-    ours.set_timeout(Duration::from_millis(2)).unwrap();
+fn a_device_at_a_serial_port_is_read_in_spite_of_everything() {
+    live_through_everything(Outlet::terminal().unwrap());
+}
+
+#[test]
+fn a_bridge_that_goes_and_comes_again_is_found_again() {
+    let (hands, clock) = (Arc::new(Hands::default()), Clock { began: Instant::now() });
+    let served = serve(Outlet::tcp("127.0.0.1:0").unwrap(), &hands, clock);
+    let address = served.address().to_owned();
+    let mut watched = Watched::new(&address, clock);
+    watched.until_scans("at first", 3);
+    drop(served);
+    watched.until("without a bridge", |watched| {
+        watched.errors.last().is_some_and(|error| error.contains("nobody listens there"))
+    });
+    // Another device, whose scans begin with number one again.
+    watched.last = None;
+    let _served = serve(Outlet::tcp(address.trim_start_matches("tcp://")).unwrap(), &hands, clock);
+    watched.until_scans("with a bridge again", 3);
+}
+
+/// Somebody else's device: it sends, but nothing that an LMS 200 would.
+#[test]
+fn a_wrong_device_is_told_from_none() {
+    struct Other;
+    impl EmulatedDevice for Other {
+        fn receive(&mut self, _: Time, _: Option<u32>, _: &[u8]) {}
+        fn transmit(&mut self, _: Time, _: Option<u32>, out: &mut Vec<u8>) {
+            out.extend(b"$GPGGA,123519,4807.038,N*47\r\n");
+        }
+    }
     let clock = Clock { began: Instant::now() };
-    let server = std::thread::spawn(move || serve(ours, faults(), clock, 8.0));
-    let mut sensor = sensor(&address, Lms200Params::default());
-    let (found, errors) = poll_for(sensor.as_mut(), clock, 5.0);
-    drop(sensor);
-    server.join().unwrap();
-    check_scans(&found, &errors, 40);
-    assert!(errors.iter().all(|error| error.to_string().contains("no answer from /dev/")), "{errors:?}");
+    let faults = LineFaults::new(LineFaultParams::default(), 5, "line");
+    let outlet = Outlet::tcp("127.0.0.1:0").unwrap();
+    let served = Served::start(outlet, Box::new(Other), faults, Arc::new(move || clock.now())).unwrap();
+    let mut watched = Watched::new(served.address(), clock);
+    watched.until_error("of another device");
+    let error = watched.errors.last().unwrap();
+    assert!(error.contains("something else answers"), "{error}");
 }
 
 #[test]

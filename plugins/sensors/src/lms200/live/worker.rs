@@ -4,11 +4,11 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use rumbo_core::time::Span;
+use rumbo_kit::port::Port;
 
-use super::port::Port;
 use super::{Clock, MOST_WAITING, Shared};
 use crate::lms200::driver::{Action, Driver, Settings};
-use crate::lms200::protocol::MOST_LEN;
+use crate::lms200::protocol::{LineSpeed, MOST_LEN};
 
 /// Between attempts to open a port.
 const REOPEN: Duration = Duration::from_secs(1);
@@ -16,14 +16,19 @@ const REOPEN: Duration = Duration::from_secs(1);
 const LOOK: Duration = Duration::from_millis(20);
 /// The device gets this long to be told that it is over.
 const MOST_FAREWELL: Span = Span(1_000_000_000);
+/// At 500000 baud the device wants at least 55 µs from one byte to the next (telegram listing, chapter 3).
+const BETWEEN_BYTES: Duration = Duration::from_micros(60);
 
 /// Until it shall stop.
 pub(super) fn work(address: &str, settings: &Settings, clock: Clock, shared: &Shared) {
     while !shared.shall_stop.load(Ordering::Relaxed) {
-        if let Err(error) = Port::open(address, settings.speed)
-            .and_then(|port| serve(port, Driver::new(settings.clone(), clock.now()), clock, shared))
-        {
-            shared.news().trouble = Some(error.to_string());
+        let ended = match Port::open(address, settings.speed.baud()) {
+            Ok(port) => serve(port, Driver::new(settings.clone(), clock.now()), clock, shared)
+                .map_err(|error| format!("the port is gone ({error}); is the cable plugged in?")),
+            Err(fault) => Err(fault.to_string()),
+        };
+        if let Err(reason) = ended {
+            shared.news().trouble = Some(reason);
         }
         let reopens_at = clock.now() + Span(REOPEN.as_nanos() as i64);
         while clock.now() < reopens_at && !shared.shall_stop.load(Ordering::Relaxed) {
@@ -43,8 +48,8 @@ fn serve(mut port: Port, mut driver: Driver, clock: Clock, shared: &Shared) -> s
         }
         while let Some(action) = driver.next_action() {
             match action {
-                Action::SetSpeed(speed) => port.set_speed(speed)?,
-                Action::Send(bytes) => port.send(&bytes)?,
+                Action::SetSpeed(speed) => port.set_baud(speed.baud())?,
+                Action::Send(bytes) => send(&mut port, &bytes)?,
                 Action::Deliver(scan) => {
                     let mut news = shared.news();
                     news.trouble = None;
@@ -64,6 +69,18 @@ fn serve(mut port: Port, mut driver: Driver, clock: Clock, shared: &Shared) -> s
         {
             shared.news().trouble = Some(fault.to_string());
         }
+    }
+    Ok(())
+}
+
+/// Sends a telegram no faster than the device can take it.
+fn send(port: &mut Port, telegram: &[u8]) -> std::io::Result<()> {
+    if port.baud() != Some(LineSpeed::Baud500000.baud()) {
+        return port.send(telegram);
+    }
+    for byte in telegram.chunks(1) {
+        port.send(byte)?;
+        std::thread::sleep(BETWEEN_BYTES);
     }
     Ok(())
 }
