@@ -18,6 +18,10 @@ pub(super) use laser_scan::Interpretation;
 /// Scans that wait for the sensor to be polled; the oldest go first. More than the device gives in three seconds.
 const MOST_WAITING: usize = 256;
 
+/// After so long without scans the sensor does not only say so once, but fails each time that it is asked: the run ends,
+/// if nobody mends it. Finding a device that was unplugged takes less.
+const PATIENCE: Span = Span(10_000_000_000);
+
 /// A device at a port.
 #[derive(Debug)]
 pub(super) struct Live {
@@ -37,7 +41,32 @@ struct Shared {
 struct News {
     scans: VecDeque<DeviceScan>,
     /// Why no scans come; nothing while they do.
-    trouble: Option<String>,
+    trouble: Option<Trouble>,
+}
+
+#[derive(Debug, Clone)]
+struct Trouble {
+    since: Time,
+    reason: String,
+    is_told: bool,
+}
+
+impl News {
+    /// Why no scans come.
+    fn note(&mut self, now: Time, reason: String) {
+        match &mut self.trouble {
+            Some(trouble) if trouble.reason == reason => {}
+            Some(trouble) => (trouble.reason, trouble.is_told) = (reason, false),
+            None => self.trouble = Some(Trouble { since: now, reason, is_told: false }),
+        }
+    }
+
+    /// What the sensor has to say about it now.
+    fn complaint(&mut self, now: Time) -> Option<String> {
+        let trouble = self.trouble.as_mut()?;
+        let is_due = !std::mem::replace(&mut trouble.is_told, true) || now - trouble.since > PATIENCE;
+        is_due.then(|| trouble.reason.clone())
+    }
 }
 
 impl Shared {
@@ -70,13 +99,13 @@ impl Live {
 
     /// Gives all scans that have come to `take`, oldest first, each with how long ago it was measured.
     pub fn drain(&self, mut take: impl FnMut(&DeviceScan, Span)) -> Result<(), SensorError> {
-        let (scans, trouble) = {
-            let mut news = self.shared.news();
-            (std::mem::take(&mut news.scans), news.trouble.clone())
-        };
         let now = self.clock.now();
+        let (scans, complaint) = {
+            let mut news = self.shared.news();
+            (std::mem::take(&mut news.scans), news.complaint(now))
+        };
         scans.iter().for_each(|scan| take(scan, now - scan.measured_at));
-        match trouble {
+        match complaint {
             Some(reason) if scans.is_empty() => {
                 Err(SensorError::Device { device: self.address.clone(), reason })
             }

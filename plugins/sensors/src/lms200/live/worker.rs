@@ -28,7 +28,7 @@ pub(super) fn work(address: &str, settings: &Settings, clock: Clock, shared: &Sh
             Err(fault) => Err(fault.to_string()),
         };
         if let Err(reason) = ended {
-            shared.news().trouble = Some(reason);
+            shared.news().note(clock.now(), reason);
         }
         let reopens_at = clock.now() + Span(REOPEN.as_nanos() as i64);
         while clock.now() < reopens_at && !shared.shall_stop.load(Ordering::Relaxed) {
@@ -67,7 +67,7 @@ fn serve(mut port: Port, mut driver: Driver, clock: Clock, shared: &Shared) -> s
         if !driver.is_streaming()
             && let Some(fault) = driver.last_fault()
         {
-            shared.news().trouble = Some(fault.to_string());
+            shared.news().note(now, fault.to_string());
         }
     }
     Ok(())
