@@ -4,7 +4,8 @@ use crate::exit::Failure;
 use crate::run::lost::{Kept, end_when_lost};
 use crate::terminal::Terminal;
 use crate::{
-    check, compare, completions, config, emulate, eval, load, map, new, plot, plugins, replay, run, schema, test,
+    check, compare, completions, config, emulate, eval, load, map, new, plot, plugins, replay, run, schema,
+    test,
 };
 use clap::{Parser, Subcommand};
 use rumbo_core::boundary::host::on_log;

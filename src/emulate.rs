@@ -202,10 +202,12 @@ impl Args {
     /// Where device number `idx` can be reached.
     fn outlet(&self, idx: usize) -> Result<Outlet, Failure> {
         let Some(first) = &self.tcp else {
-            let none = |error| Failure::Usage(format!("there is no pseudo-terminal to be had: {error}; use --tcp"));
+            let none =
+                |error| Failure::Usage(format!("there is no pseudo-terminal to be had: {error}; use --tcp"));
             return Outlet::any().map_err(none);
         };
-        let wrong = |why: &str| Failure::Usage(format!("--tcp {first}: {why}, expected such as 127.0.0.1:4001"));
+        let wrong =
+            |why: &str| Failure::Usage(format!("--tcp {first}: {why}, expected such as 127.0.0.1:4001"));
         let (host, port) = first.rsplit_once(':').ok_or_else(|| wrong("has no port"))?;
         let port: u16 = port.parse().map_err(|_| wrong("has no port"))?;
         let idx = u16::try_from(idx).unwrap_or(u16::MAX);

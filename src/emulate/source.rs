@@ -67,7 +67,10 @@ pub fn read(path: &Path, sets: &[String], json: bool, terminal: &Terminal) -> Re
 
 fn of_world(path: &Path, sets: &[String]) -> Result<Source, Failure> {
     if !sets.is_empty() {
-        return Err(Failure::Usage(format!("{} is no pipeline: --set changes nothing there", path.display())));
+        return Err(Failure::Usage(format!(
+            "{} is no pipeline: --set changes nothing there",
+            path.display()
+        )));
     }
     let map = std::path::absolute(path);
     let map = map.map_err(|error| Failure::Usage(format!("{}: {error}", path.display())))?;

@@ -8,7 +8,8 @@ const ROBOT: &str = "pipelines/office_robot.toml";
 #[test]
 fn what_cannot_be_emulated_is_told_with_what_can() {
     let office = "pipelines/worlds/office-20m.yaml";
-    let tableless = "--set=world={ plugin = \"robot\", port = \"/dev/ttyUSB9\" }";
+    let tableless =
+        "--set=world={ plugin = \"robot\", port = \"/dev/ttyUSB9\", map = \"worlds/office-20m.yaml\" }";
     for (args, expected) in [
         (vec!["toaster", ROBOT], "expected one of robot, base, lms200"),
         (vec!["robot", "no_such_file.toml"], "there is no such file"),
@@ -64,8 +65,17 @@ impl Drop for Emulator {
 fn run_against(emulator: &Emulator, more: &[&str]) -> Given {
     let base = format!("world.port={}", emulator.address("base"));
     let laser = format!("sensor.front_laser.port={}", emulator.address("front_laser"));
-    let sets =
-        ["run", ROBOT, "--no-report", "--json", "--set", "world.emulate.enabled=false", "--set", &base, "--set"];
+    let sets = [
+        "run",
+        ROBOT,
+        "--no-report",
+        "--json",
+        "--set",
+        "world.emulate.enabled=false",
+        "--set",
+        &base,
+        "--set",
+    ];
     give(&[&sets[..], &[laser.as_str()], more].concat())
 }
 
@@ -97,8 +107,13 @@ fn an_emulator_ends_after_its_duration_and_tells_its_addresses_as_json() {
     let office = "pipelines/worlds/office-20m.yaml";
     let given = give(&["emulate", "robot", office, "--start", "3,4.5", "--json", "--duration", "0.1"]);
     assert_eq!(given.code, 0, "{}", given.stderr);
-    let models: Vec<String> =
-        given.json().as_array().unwrap().iter().map(|one| one["model"].as_str().unwrap().to_owned()).collect();
+    let models: Vec<String> = given
+        .json()
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| one["model"].as_str().unwrap().to_owned())
+        .collect();
     assert_eq!(models, ["base", "lms200"]);
 }
 

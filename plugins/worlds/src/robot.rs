@@ -6,8 +6,8 @@
 
 mod clock;
 pub mod emulated;
-pub mod link;
 mod fits;
+pub mod link;
 mod params;
 mod plugin;
 pub mod protocol;

@@ -124,7 +124,9 @@ impl Device {
         }
         let live = match &mut self.live {
             Some(live) => live,
-            empty => empty.insert(Live::start(&address(self.port.as_deref(), seat, world)?, self.settings.clone())),
+            empty => {
+                empty.insert(Live::start(&address(self.port.as_deref(), seat, world)?, self.settings.clone()))
+            }
         };
         let interpretation = &self.interpretation;
         live.drain(|scan, age| {
@@ -142,8 +144,7 @@ impl Device {
 
 /// Where the device is.
 fn address(port: Option<&str>, seat: &Seat, world: &mut dyn World) -> Result<String, SensorError> {
-    let device =
-        OwnDevice { model: MODEL, name: &seat.name, base_from_sensor: &seat.base_from_sensor };
+    let device = OwnDevice { model: MODEL, name: &seat.name, base_from_sensor: &seat.base_from_sensor };
     let emulated = world.emulated_device(&device)?;
     emulated.or_else(|| port.map(str::to_owned)).ok_or_else(|| SensorError::Device {
         device: seat.name.clone(),

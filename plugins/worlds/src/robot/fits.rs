@@ -18,7 +18,9 @@ pub(super) fn check_base(base: &Base, robot: &Robot) -> Result<(), String> {
     let identity = &base.identity;
     let (found, wanted) = (identity.drive.name(), robot.drive.kind().name());
     if found != wanted {
-        return Err(format!("its drive is {found}, that of the pipeline is {wanted}; change `drive.kind` of [robot]"));
+        return Err(format!(
+            "its drive is {found}, that of the pipeline is {wanted}; change `drive.kind` of [robot]"
+        ));
     }
     match robot.drive {
         Drive::Differential { track_m } | Drive::Tricycle { track_m, .. }
@@ -172,7 +174,14 @@ mod tests {
     #[test]
     fn another_drive_or_track_is_told() {
         let base = |drive: DriveKind, track_m: f64| Base {
-            identity: BaseIdentity { version: 1, boot: 1, drive, track_m, watchdog_s: 0.5, name: "B".to_owned() },
+            identity: BaseIdentity {
+                version: 1,
+                boot: 1,
+                drive,
+                track_m,
+                watchdog_s: 0.5,
+                name: "B".to_owned(),
+            },
             sonars: RING,
             bumpers: BumperGeometry { n_bumpers: 0, first_bearing_rad: 0.0, bearing_step_rad: 0.0 },
         };

@@ -11,8 +11,8 @@ use rumbo_core::frames::Twist;
 use rumbo_core::time::{Span, Time};
 
 use super::protocol::{
-    BaseIdentity, BaseStatus, BumperGeometry, Decoder, Frame, FromBase, SonarGeometry, SonarReading, Tally, ToBase,
-    VERSION, encode,
+    BaseIdentity, BaseStatus, BumperGeometry, Decoder, Frame, FromBase, SonarGeometry, SonarReading, Tally,
+    ToBase, VERSION, encode,
 };
 use super::readings::{Readings, Stamped};
 pub use event::LinkEvent;
@@ -195,7 +195,10 @@ impl Link {
 
     /// For how long the base has not answered, and why, as far as that is known.
     pub fn lost_for(&self, now: Time) -> Option<(Span, &str)> {
-        let reason = self.trouble.as_deref().unwrap_or("nobody answers; is the base switched on, and is this its port?");
+        let reason = self
+            .trouble
+            .as_deref()
+            .unwrap_or("nobody answers; is the base switched on, and is this its port?");
         (!self.is_ready()).then(|| (now - self.lost_since, reason))
     }
 
@@ -238,7 +241,8 @@ impl Link {
         match line {
             FromBase::Base(identity) if identity.version == VERSION => self.heard.0 = Some(identity),
             FromBase::Base(BaseIdentity { version, .. }) | FromBase::No { version } => {
-                let reason = format!("it speaks version {version} of the protocol, this program speaks {VERSION}");
+                let reason =
+                    format!("it speaks version {version} of the protocol, this program speaks {VERSION}");
                 self.refused = Some(reason);
             }
             FromBase::Sonars(ring) => self.heard.1 = Some(ring),
@@ -271,7 +275,9 @@ impl Link {
                 self.readings.wheels = Some(Stamped { value, at: now });
             }
             FromBase::Ranges { readings, .. } => self.keep_ranges(now, &readings),
-            FromBase::Touch { pressed, .. } => self.readings.touch = Some(Stamped { value: pressed, at: now }),
+            FromBase::Touch { pressed, .. } => {
+                self.readings.touch = Some(Stamped { value: pressed, at: now })
+            }
             FromBase::State(status) => self.keep_status(status),
             _ => {}
         }

@@ -106,7 +106,8 @@ impl Params for RobotParams {
             _ => {}
         }
         if self.baud == 0 {
-            faults.push(BuildError::at("baud", "is 0, expected the speed of the base's port, such as 115200"));
+            faults
+                .push(BuildError::at("baud", "is 0, expected the speed of the base's port, such as 115200"));
         }
         if !(self.give_up_s.is_finite() && self.give_up_s > 0.0) {
             let message = format!("is {}, expected a finite time above 0", self.give_up_s);
@@ -149,6 +150,8 @@ fn start_faults(key: &str, start: &Start) -> Vec<BuildError> {
     let numbers = [("x_m", start.x_m), ("y_m", start.y_m), ("yaw_deg", start.yaw_deg)];
     let wrong = numbers.into_iter().filter(|(_, value)| !value.is_finite());
     wrong
-        .map(|(part, value)| BuildError::at(format!("{key}.{part}"), format!("is {value}, expected a finite number")))
+        .map(|(part, value)| {
+            BuildError::at(format!("{key}.{part}"), format!("is {value}, expected a finite number"))
+        })
         .collect()
 }

@@ -77,7 +77,8 @@ impl Plugin<dyn World> for RobotParams {
 
 fn served(robot: &mut EmulatedRobot) -> Result<String, BuildError> {
     let served = Outlet::any().and_then(|outlet| robot.serve_base(outlet));
-    served.map_err(|error| BuildError::at("emulate", format!("there is no pseudo-terminal to be had: {error}")))
+    served
+        .map_err(|error| BuildError::at("emulate", format!("there is no pseudo-terminal to be had: {error}")))
 }
 
 impl RobotWorld {
@@ -101,7 +102,8 @@ impl RobotWorld {
     }
 
     fn wheels(&mut self) -> Answer<'_> {
-        let taken = self.connection.as_ref().and_then(|connection| connection.now().0.readings().wheels.take());
+        let taken =
+            self.connection.as_ref().and_then(|connection| connection.now().0.readings().wheels.take());
         taken.map_or(Answer::Recorded(&[]), |reading| Answer::Wheels(reading.value))
     }
 
@@ -116,7 +118,8 @@ impl RobotWorld {
         let Some(touch) = touch else { return Ok(Answer::Recorded(&[])) };
         let pressed = (0..ring.n_bumpers).filter(|k| touch.value >> k & 1 == 1);
         self.contacts_rad.clear();
-        self.contacts_rad.extend(pressed.map(|k| ring.first_bearing_rad + ring.bearing_step_rad * f64::from(k)));
+        self.contacts_rad
+            .extend(pressed.map(|k| ring.first_bearing_rad + ring.bearing_step_rad * f64::from(k)));
         Ok(Answer::Contacts(&self.contacts_rad))
     }
 

@@ -46,7 +46,8 @@ fn read(port: &mut Port, n_bytes: usize) -> Vec<u8> {
 fn a_device_answers_every_host_that_comes() {
     for outlet in outlets() {
         let faults = LineFaults::new(LineFaultParams::default(), 1, "line");
-        let served = Served::start(outlet, Box::new(Echo(Vec::new())), faults, clock(&Arc::default())).unwrap();
+        let served =
+            Served::start(outlet, Box::new(Echo(Vec::new())), faults, clock(&Arc::default())).unwrap();
         for _ in 0..3 {
             let mut port = Port::open(served.address(), 38_400).unwrap();
             let sent: Vec<u8> = (0..=255).collect();

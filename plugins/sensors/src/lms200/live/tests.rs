@@ -109,7 +109,8 @@ impl Watched {
     fn look_at(&mut self, observation: &Observation) {
         let Data::LaserScan(scan) = &observation.data else { panic!() };
         assert_eq!((scan.ranges_m.len(), observation.valid), (361, true));
-        let number = (0..4001).find(|number| is_near(scan.ranges_m[0], range_m(*number, scan.bearing_rad(0))));
+        let number =
+            (0..4001).find(|number| is_near(scan.ranges_m[0], range_m(*number, scan.bearing_rad(0))));
         let number = number.unwrap();
         for (idx, range) in scan.ranges_m.iter().enumerate() {
             assert!(is_near(*range, range_m(number, scan.bearing_rad(idx))), "scan {number}, beam {idx}");

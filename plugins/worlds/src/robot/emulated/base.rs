@@ -13,8 +13,8 @@ use rumbo_kit::emulation::EmulatedDevice;
 use super::Scene;
 use crate::robot::params::EmulateParams;
 use crate::robot::protocol::{
-    BaseIdentity, BaseStatus, BumperGeometry, Decoder, Frame, FromBase, SonarGeometry, SonarReading, ToBase, VERSION,
-    WheelReport, encode,
+    BaseIdentity, BaseStatus, BumperGeometry, Decoder, Frame, FromBase, SonarGeometry, SonarReading, ToBase,
+    VERSION, WheelReport, encode,
 };
 
 /// Without a command for so long the base stops.
@@ -152,7 +152,8 @@ impl EmulatedBase {
                 }
                 self.heard_at = Some(now);
                 let (identity, sonars, bumpers) = (self.identity.clone(), self.sonars, self.bumpers);
-                for answer in [FromBase::Base(identity), FromBase::Sonars(sonars), FromBase::Bumpers(bumpers)] {
+                for answer in [FromBase::Base(identity), FromBase::Sonars(sonars), FromBase::Bumpers(bumpers)]
+                {
                     self.say(&answer);
                 }
             }
@@ -213,7 +214,9 @@ impl EmulatedBase {
             (bearing_rad.rem_euclid(TAU) / TAU * f64::from(n_bumpers)).round() as u32 % n_bumpers
         };
         self.scene.at(now, |world| match world.probe(&Probe::Contacts) {
-            Ok(Answer::Contacts(bearings)) => bearings.iter().fold(0, |bits, bearing| bits | 1 << bumper(bearing)),
+            Ok(Answer::Contacts(bearings)) => {
+                bearings.iter().fold(0, |bits, bearing| bits | 1 << bumper(bearing))
+            }
             _ => 0,
         })
     }
@@ -267,7 +270,8 @@ impl EmulatedDevice for EmulatedBase {
     fn transmit(&mut self, now: Time, _: Option<u32>, out: &mut Vec<u8>) {
         self.watch(now);
         for (idx, (report, period)) in REPORTS.into_iter().enumerate() {
-            let Some(due) = self.due.get_mut(idx).filter(|due| **due <= now && self.heard_at.is_some()) else {
+            let Some(due) = self.due.get_mut(idx).filter(|due| **due <= now && self.heard_at.is_some())
+            else {
                 continue;
             };
             // What was missed is not made up for.

@@ -161,3 +161,19 @@ fn every_impossible_value_is_told_with_its_key() {
     let error = Plugin::<dyn World>::build(&params, &BuildContext::bare("world")).err().unwrap();
     assert_eq!(error.path, "emulate.map");
 }
+
+/// What the laws of worlds ask of those that do not need a device.
+#[test]
+fn time_runs_forward_only_and_commands_are_finite() {
+    let mut world = built(&emulated());
+    world.advance(Time::from_secs(0.02)).unwrap();
+    assert!(world.now() >= Time::from_secs(0.02));
+    let back = world.advance(Time::from_secs(0.01));
+    assert!(matches!(back, Err(WorldError::Backwards { .. })), "{back:?}");
+    for twist in [Twist::new(f64::NAN, 0.0), Twist::new(0.0, f64::INFINITY)] {
+        let stamp = world.now();
+        assert_eq!(world.drive(&Command { stamp, twist }), Err(WorldError::NotFinite));
+    }
+    let channel = Probe::Channel { name: "no sensor is called this" };
+    assert!(matches!(world.probe(&channel), Err(WorldError::Unsupported { .. })));
+}

@@ -42,7 +42,11 @@ fn from_base() -> Vec<FromBase> {
     vec![
         FromBase::Base(identity),
         FromBase::Sonars(ring),
-        FromBase::Bumpers(BumperGeometry { n_bumpers: 16, first_bearing_rad: 0.0, bearing_step_rad: 0.392699 }),
+        FromBase::Bumpers(BumperGeometry {
+            n_bumpers: 16,
+            first_bearing_rad: 0.0,
+            bearing_step_rad: 0.392699,
+        }),
         FromBase::No { version: 2 },
         FromBase::Wheels(WheelReport { at_ms: u32::MAX, wheels }),
         FromBase::Ranges { at_ms: 5, readings },
@@ -61,7 +65,8 @@ fn to_base() -> Vec<ToBase> {
 #[test]
 fn lines_are_what_the_document_shows() {
     let document = include_str!("../../../../../docs/base-protocol.md");
-    let shown: Vec<&str> = document.lines().filter(|line| line.starts_with('~') && !line.starts_with("~NUMBER")).collect();
+    let shown: Vec<&str> =
+        document.lines().filter(|line| line.starts_with('~') && !line.starts_with("~NUMBER")).collect();
     assert!(shown.len() >= 12, "{shown:?}");
     for line in shown {
         let mut decoder = Decoder::default();
@@ -140,8 +145,7 @@ fn nothing_is_found_in_garbage_and_lines_behind_it_are() {
         let invented = garbage.iter().filter_map(|byte| decoder.push(*byte)).count();
         assert_eq!(invented, 0, "round {round}");
         // What has begun ends at the next line feed or start.
-        let found: Vec<Frame> =
-            encode(round, "BYE").iter().filter_map(|byte| decoder.push(*byte)).collect();
+        let found: Vec<Frame> = encode(round, "BYE").iter().filter_map(|byte| decoder.push(*byte)).collect();
         assert_eq!(found, [Frame { number: round, text: "BYE".to_owned() }]);
     }
 }

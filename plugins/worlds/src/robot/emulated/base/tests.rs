@@ -61,10 +61,14 @@ fn without_commands_the_base_stops_by_itself() {
     assert!(speed_m_s(&base, 1.52) < at_first_m_s, "it brakes at once");
     assert_eq!(speed_m_s(&base, 2.5), 0.0);
     let told = tell(&mut base, 2.6, None);
-    assert!(told.iter().any(|line| matches!(line, FromBase::State(status) if status.is_watchdog)), "{told:?}");
+    assert!(
+        told.iter().any(|line| matches!(line, FromBase::State(status) if status.is_watchdog)),
+        "{told:?}"
+    );
     // A new command ends that.
     let told = tell(&mut base, 2.8, Some(FORWARD));
-    let state = told.iter().find_map(|line| if let FromBase::State(status) = line { Some(*status) } else { None });
+    let state =
+        told.iter().find_map(|line| if let FromBase::State(status) = line { Some(*status) } else { None });
     assert_eq!(state.map(|status| (status.is_watchdog, status.last_command)), Some((false, 7)));
     tell(&mut base, 2.9, Some(FORWARD));
     assert!(speed_m_s(&base, 2.95) > 0.0);
