@@ -4,7 +4,8 @@ use crate::exit::Failure;
 use crate::run::lost::{Kept, end_when_lost};
 use crate::terminal::Terminal;
 use crate::{
-    check, compare, completions, config, eval, load, map, new, plot, plugins, replay, run, schema, test,
+    check, compare, completions, config, emulate, eval, load, map, new, plot, plugins, replay, run, schema,
+    test,
 };
 use clap::{Parser, Subcommand};
 use rumbo_core::boundary::host::on_log;
@@ -58,6 +59,7 @@ enum Verb {
     Map(map::Args),
     Eval(eval::Args),
     Plot(plot::Args),
+    Emulate(emulate::Args),
     Completions(completions::Args),
 }
 
@@ -97,6 +99,7 @@ pub fn main() -> ExitCode {
         Verb::Map(args) => map::run(args, &terminal),
         Verb::Eval(args) => eval::run(args, &terminal),
         Verb::Plot(args) => plot::run(args, &terminal),
+        Verb::Emulate(args) => emulate::run(args, &terminal),
         Verb::Completions(args) => completions::run(args, &terminal),
     };
     let exit = result.unwrap_or_else(|failure| {

@@ -17,6 +17,7 @@ pub mod completions;
 pub mod config;
 pub mod diagnostics;
 pub mod drive;
+pub mod emulate;
 pub mod eval;
 pub mod exit;
 pub mod laws;

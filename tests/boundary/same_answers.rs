@@ -97,6 +97,10 @@ fn every_shipped_pipeline_runs_the_same_through_the_boundary_to_the_bit() {
         if file.extension().is_none_or(|e| e != "toml") {
             continue;
         }
+        // In real time no run is the same as another.
+        if std::fs::read_to_string(&file).unwrap().contains("plugin = \"robot\"") {
+            continue;
+        }
         let (expected, end) = run(&file, &linked);
         let (found, found_end) = run(&file, &dynamic);
         if let Some((a, b)) = expected.lines().zip(found.lines()).find(|(a, b)| a != b) {

@@ -4,9 +4,19 @@ use super::*;
 fn the_help_names_every_verb_and_every_exit_code() {
     let help = give(&["--help"]);
     assert_eq!(help.code, 0);
-    for word in
-        ["run", "check", "config", "schema", "plugins", "test", "compare", "eval", "plot", "completions"]
-    {
+    for word in [
+        "run",
+        "check",
+        "config",
+        "schema",
+        "plugins",
+        "test",
+        "compare",
+        "eval",
+        "plot",
+        "emulate",
+        "completions",
+    ] {
         assert!(help.stdout.contains(&format!("\n  {word} ")), "{word}: {}", help.stdout);
     }
     for code in ["  0 ", "  1 ", "  2 ", "  3 ", "  130 "] {

@@ -3,6 +3,7 @@
 
 mod check;
 mod compare;
+mod emulate;
 mod eval;
 mod help;
 #[cfg(unix)]

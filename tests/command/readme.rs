@@ -36,6 +36,8 @@ fn links_and_verbs_of_the_documents_exist() {
         "docs/compare.md",
         "docs/plugin-authors.md",
         "docs/long-checks.md",
+        "docs/robot.md",
+        "docs/base-protocol.md",
         "docs/plugins/README.md",
     ] {
         let text = std::fs::read_to_string(root.join(name)).unwrap();

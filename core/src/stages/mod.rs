@@ -18,4 +18,6 @@ pub use map_builder::{MapBuilder, MapError, MapInput};
 pub use planner::{PlanError, PlanRequest, Planner};
 pub use sensor::{Sensor, SensorError};
 pub use slam::{Slam, SlamError};
-pub use world::{Advance, Answer, Attitude, Drove, Medium, Probe, Truth, WheelMotion, World, WorldError};
+pub use world::{
+    Advance, Answer, Attitude, Drove, Medium, OwnDevice, Probe, Truth, WheelMotion, World, WorldError,
+};

@@ -20,6 +20,13 @@ pub trait World: Send {
     /// Answers what a sensor asks.
     fn probe<'w>(&'w mut self, probe: &Probe<'_>) -> Result<Answer<'w>, WorldError>;
 
+    /// Where a sensor finds its own device, after [`Answer::Live`]: a world that emulates devices starts one and says its
+    /// address. Absent: where the sensor's own parameters say.
+    fn emulated_device(&mut self, device: &OwnDevice<'_>) -> Result<Option<String>, WorldError> {
+        let _ = device;
+        Ok(None)
+    }
+
     /// Where the robot really is, where the world knows.
     fn truth(&self) -> Option<&Truth> {
         None
@@ -200,6 +207,17 @@ impl Answer<'_> {
             Answer::Live => "\"read your own device\"",
         }
     }
+}
+
+/// A device that a sensor reads by itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OwnDevice<'a> {
+    /// Name of the model, such as `lms200`.
+    pub model: &'a str,
+    /// Name of the sensor.
+    pub name: &'a str,
+    /// The mount.
+    pub base_from_sensor: &'a Pose3,
 }
 
 /// Rolling of the wheels since the start: what perfect encoders would count.

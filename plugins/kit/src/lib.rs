@@ -7,6 +7,7 @@
 pub mod beam_table;
 pub mod cost_field;
 pub mod distance_field;
+pub mod emulation;
 pub mod generated_world;
 pub mod grid_poses;
 mod grid_size;
@@ -18,6 +19,7 @@ pub mod map_comparison;
 pub mod map_file;
 pub mod normal;
 pub mod occupancy;
+pub mod port;
 pub mod proximity;
 pub mod ray;
 pub mod recording;

@@ -3,6 +3,7 @@
 mod device;
 pub mod driver;
 pub mod emulator;
+mod live;
 mod params;
 mod plugin;
 pub mod protocol;

@@ -18,6 +18,7 @@ mod slip;
 mod solid;
 mod sound;
 
+pub(crate) use params::slip_schema;
 pub use params::{SimParams, Start};
 pub use plugin::SimWorld;
 pub use slip::{GaussianSlip, Slip, SlipDraw};

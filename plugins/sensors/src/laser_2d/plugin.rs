@@ -3,7 +3,7 @@
 use rumbo_core::messages::{Data, Observation, ObservationKind, Observations};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::rng::Rng;
-use rumbo_core::stages::{BuildContext, BuildError, Cx, Sensor, SensorError, World};
+use rumbo_core::stages::{Answer, BuildContext, BuildError, Cx, Sensor, SensorError, World};
 
 use super::scanner::{ScanShape, Scanned};
 use super::{Laser2dParams, ScanNoise};
@@ -55,14 +55,19 @@ impl Sensor for Laser2d {
         } else {
             self.shape.scan(&self.seat, world, out, |exact_m| noise.read(exact_m, rng))?
         };
-        if let Scanned::Scan(scan) = scanned {
-            out.push(Observation {
+        match scanned {
+            Scanned::Scan(scan) => out.push(Observation {
                 sensor: self.seat.sensor,
                 stamp: cx.now,
                 base_from_sensor: self.seat.base_from_sensor,
                 valid: true,
                 data: Data::LaserScan(scan),
-            });
+            }),
+            Scanned::Recorded => {}
+            // A scanner of any shape is no device that could be read.
+            Scanned::Live => {
+                return Err(SensorError::WrongAnswer { expected: "beams", found: Answer::Live.name() });
+            }
         }
         Ok(())
     }

@@ -29,6 +29,8 @@ pub enum Scanned {
     Scan(LaserScan),
     /// The world plays a recording, which was passed on.
     Recorded,
+    /// The world is the real one: the sensor has to read its own device.
+    Live,
 }
 
 impl ScanShape {
@@ -60,6 +62,7 @@ impl ScanShape {
                 seat.pass_on(recorded, out);
                 Ok(Scanned::Recorded)
             }
+            Answer::Live => Ok(Scanned::Live),
             other => Err(SensorError::WrongAnswer { expected: "beams", found: other.name() }),
         }
     }

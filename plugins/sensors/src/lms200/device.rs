@@ -7,6 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rumbo_core::rng::Rng;
 use serde::{Deserialize, Serialize};
 
+use super::protocol::{CountUnit, Variant};
 use crate::laser_2d::scanner::ScanShape;
 
 /// Turns of the mirror in a second; each turn gives one scan of 1 degree steps.
@@ -38,6 +39,14 @@ impl Lms200Unit {
         match self {
             Self::Millimeters => 0.001,
             Self::Centimeters => 0.01,
+        }
+    }
+
+    /// As telegrams say it.
+    pub fn count_unit(self) -> CountUnit {
+        match self {
+            Self::Millimeters => CountUnit::Millimeters,
+            Self::Centimeters => CountUnit::Centimeters,
         }
     }
 
@@ -81,6 +90,12 @@ impl Lms200Mode {
         (self.field_of_view_deg, self.resolution_centideg) == (180, 25)
     }
 
+    /// What the device is switched to: partial scans have steps of 1 degree.
+    pub fn variant(self) -> Variant {
+        let resolution_centideg = if self.is_partial() { 100 } else { self.resolution_centideg as u16 };
+        Variant { field_deg: self.field_of_view_deg as u16, resolution_centideg }
+    }
+
     /// Scans in a second at the device's own pace; partial scans each count.
     pub fn rate_hz(self) -> f64 {
         if self.is_partial() { MIRROR_HZ } else { MIRROR_HZ * f64::from(self.resolution_centideg) / 100.0 }
@@ -109,13 +124,17 @@ impl Lms200Mode {
 
 /// A reading of an exact range: an error within ±15 mm, then whole counts.
 pub fn read(exact_m: f64, unit: Lms200Unit, rng: &mut Rng) -> f64 {
-    let error_m = loop {
+    unit.counted(exact_m + error_m(rng))
+}
+
+/// An error of the device, within ±15 mm.
+pub fn error_m(rng: &mut Rng) -> f64 {
+    loop {
         let normal: f64 = StandardNormal.sample(rng);
         if normal.abs() * ERROR_DEVIATION_M <= ERROR_BOUND_M {
-            break normal * ERROR_DEVIATION_M;
+            return normal * ERROR_DEVIATION_M;
         }
-    };
-    unit.counted(exact_m + error_m)
+    }
 }
 
 #[cfg(test)]

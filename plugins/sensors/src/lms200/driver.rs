@@ -80,6 +80,8 @@ pub struct Driver {
     last_fault: Option<DriverFault>,
     device_type: Option<String>,
     speed: LineSpeed,
+    /// What the device says about its own.
+    device_speed: LineSpeed,
     task: Task,
     /// When the task is overdue.
     deadline: Time,
@@ -87,6 +89,8 @@ pub struct Driver {
     n_tries: u32,
     last_byte_at: Time,
     last_scan_at: Time,
+    /// Bytes that came since the last telegram that was understood, or since the search began.
+    n_unheeded: u64,
 }
 
 impl Driver {
@@ -101,11 +105,13 @@ impl Driver {
             last_fault: None,
             device_type: None,
             speed,
+            device_speed: speed,
             task: Task::Rest,
             deadline: now,
             n_tries: 0,
             last_byte_at: now,
             last_scan_at: now,
+            n_unheeded: 0,
         };
         driver.begin(Task::Find { idx: 0, is_proven: false }, now);
         driver
@@ -117,6 +123,7 @@ impl Driver {
             return;
         }
         self.last_byte_at = now;
+        self.n_unheeded += bytes.len() as u64;
         if self.task == Task::Settle {
             self.deadline = now + QUIET;
         }
@@ -193,6 +200,7 @@ impl Driver {
 
     fn hear(&mut self, now: Time, telegram: Telegram, n_payload: usize) {
         let Telegram { reply, status } = telegram;
+        self.n_unheeded = 0;
         self.counters.n_polluted += u64::from(status.is_polluted());
         self.counters.n_implausible += u64::from(status.is_implausible());
         self.counters.n_errors += u64::from(status.severity() >= Severity::Error);
@@ -258,6 +266,7 @@ impl Driver {
 
     fn fail(&mut self, fault: DriverFault, now: Time) {
         self.last_fault = Some(fault);
+        self.n_unheeded = 0;
         self.counters.n_restarts += 1;
         self.begin(Task::Rest, now);
     }

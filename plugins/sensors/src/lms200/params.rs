@@ -2,9 +2,12 @@
 
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
+use rumbo_kit::port::is_address;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::driver::Settings;
+use super::protocol::{LineSpeed, MeasuringMode};
 use super::{Lms200Mode, Lms200Unit};
 
 /// The SICK LMS 200: ±15 mm, 8 m in millimeters or 80 m in centimeters, 180 or 100 degrees.
@@ -22,11 +25,34 @@ pub struct Lms200Params {
     pub unit: Lms200Unit,
     /// Exact readings in whole counts instead of readings within ±15 mm.
     pub exact: bool,
+    /// Where the real device is, in a world that is real: a serial port such as `/dev/ttyUSB0`, or `tcp://host:port` of a
+    /// bridge that follows its speed. Simulated and recorded worlds do not need it.
+    pub port: Option<String>,
+    /// Speed of the line to the real device: 9600, 19200 or 38400 baud over RS-232, where it lets some of the scans
+    /// through, or 500000 over RS-422, where all come.
+    pub baud: u32,
+    /// Speeds at which the real device is looked for besides `baud`, in this order.
+    pub connect_baud: Vec<u32>,
+    /// How the real device's values share their bits between distance and flags: 0, 2, 4, 6 fields, 1, 3, 5 reflector
+    /// levels (which become intensities), 15 distance only. From 3 on there are more bits and more reach.
+    pub measuring_mode: u8,
+    /// The real device hangs upside down: its values run from left to right.
+    pub inverted: bool,
 }
 
 impl Default for Lms200Params {
     fn default() -> Self {
-        Self { field_of_view_deg: 180.0, resolution_deg: 0.5, unit: Lms200Unit::Millimeters, exact: false }
+        Self {
+            field_of_view_deg: 180.0,
+            resolution_deg: 0.5,
+            unit: Lms200Unit::Millimeters,
+            exact: false,
+            port: None,
+            baud: 38_400,
+            connect_baud: vec![9600, 38_400, 19_200, 500_000],
+            measuring_mode: 0,
+            inverted: false,
+        }
     }
 }
 
@@ -43,6 +69,23 @@ impl Params for Lms200Params {
                 format!("is {}, expected 1, 0.5 or 0.25: the device has no other", self.resolution_deg);
             faults.push(BuildError::at("resolution_deg", message));
         }
+        let is_speed = |baud: u32| LineSpeed::of_baud(baud).is_some();
+        let not_speed = |baud: u32| format!("is {baud}, expected 9600, 19200, 38400 or 500000");
+        if !is_speed(self.baud) {
+            faults.push(BuildError::at("baud", not_speed(self.baud)));
+        }
+        let wrong = self.connect_baud.iter().enumerate().filter(|(_, baud)| !is_speed(**baud));
+        faults.extend(
+            wrong.map(|(idx, baud)| BuildError::at(format!("connect_baud[{idx}]"), not_speed(*baud))),
+        );
+        if self.port.as_deref().is_some_and(|port| !is_address(port)) {
+            let message = "names no port, expected a serial port or tcp://host:port";
+            faults.push(BuildError::at("port", message));
+        }
+        if self.distance_mode().is_none() {
+            let message = format!("is {}, expected 0 to 6 or 15", self.measuring_mode);
+            faults.push(BuildError::at("measuring_mode", message));
+        }
         faults
     }
 }
@@ -51,5 +94,23 @@ impl Lms200Params {
     /// The device's variant; `None` when [`check`](Params::check) has faults.
     pub fn mode(&self) -> Option<Lms200Mode> {
         Lms200Mode::new(self.field_of_view_deg, self.resolution_deg)
+    }
+
+    /// The measuring mode, if it has distances.
+    pub(super) fn distance_mode(&self) -> Option<MeasuringMode> {
+        MeasuringMode::of_code(self.measuring_mode).filter(|mode| mode.distance_bits() > 0)
+    }
+
+    /// What the real device shall do; `None` when [`check`](Params::check) has faults.
+    pub(super) fn settings(&self) -> Option<Settings> {
+        let mode = self.mode()?;
+        Some(Settings {
+            connect: self.connect_baud.iter().filter_map(|baud| LineSpeed::of_baud(*baud)).collect(),
+            speed: LineSpeed::of_baud(self.baud)?,
+            variant: mode.variant(),
+            partials: mode.is_partial(),
+            unit: self.unit.count_unit(),
+            measuring_mode: self.distance_mode()?,
+        })
     }
 }

@@ -3,12 +3,18 @@
 use rumbo_core::messages::{Data, Observation, ObservationKind, Observations};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::rng::Rng;
-use rumbo_core::stages::{BuildContext, BuildError, Cx, Sensor, SensorError, World};
+use rumbo_core::stages::{BuildContext, BuildError, Cx, OwnDevice, Sensor, SensorError, World};
+use rumbo_core::time::Time;
 
 use super::device::read;
+use super::driver::Settings;
+use super::live::{Interpretation, Live};
 use super::{Lms200Mode, Lms200Params, Lms200Unit};
 use crate::laser_2d::scanner::Scanned;
 use crate::recorded::Seat;
+
+/// What the device is called among emulated ones.
+pub(super) const MODEL: &str = "lms200";
 
 rumbo_core::register_sensor!(Lms200Params, "lms200", "the SICK LMS 200 laser scanner with its variants");
 
@@ -21,6 +27,17 @@ pub struct Lms200 {
     is_exact: bool,
     partial: usize,
     rng: Rng,
+    device: Device,
+}
+
+/// The real device, should the world be real.
+#[derive(Debug)]
+struct Device {
+    port: Option<String>,
+    settings: Settings,
+    interpretation: Interpretation,
+    is_dry: bool,
+    live: Option<Live>,
 }
 
 impl Plugin<dyn Sensor> for Lms200Params {
@@ -49,7 +66,14 @@ impl Plugin<dyn Sensor> for Lms200Params {
             );
         }
         let (seat, rng) = (Seat::of(context), context.rng());
-        Ok(Box::new(Lms200 { seat, mode, unit: self.unit, is_exact: self.exact, partial: 0, rng }))
+        let (unit, is_exact) = (self.unit, self.exact);
+        let (Some(settings), Some(measuring_mode)) = (self.settings(), self.distance_mode()) else {
+            return Err(BuildError::at("measuring_mode", "the device cannot do this"));
+        };
+        let interpretation = Interpretation { mode, unit, measuring_mode, is_inverted: self.inverted };
+        let (port, is_dry) = (self.port.clone(), context.dry_run);
+        let device = Device { port, settings, interpretation, is_dry, live: None };
+        Ok(Box::new(Lms200 { seat, mode, unit, is_exact, partial: 0, rng, device }))
     }
 }
 
@@ -68,18 +92,64 @@ impl Sensor for Lms200 {
                 read(exact_m, unit, rng)
             }
         })?;
-        if let Scanned::Scan(scan) = scanned {
-            self.partial = (self.partial + 1) % self.mode.n_partials();
-            out.push(Observation {
-                sensor: self.seat.sensor,
-                stamp: cx.now,
-                base_from_sensor: self.seat.base_from_sensor,
-                valid: true,
-                data: Data::LaserScan(scan),
-            });
+        match scanned {
+            Scanned::Scan(scan) => {
+                self.partial = (self.partial + 1) % self.mode.n_partials();
+                out.push(Observation {
+                    sensor: self.seat.sensor,
+                    stamp: cx.now,
+                    base_from_sensor: self.seat.base_from_sensor,
+                    valid: true,
+                    data: Data::LaserScan(scan),
+                });
+            }
+            Scanned::Recorded => {}
+            Scanned::Live => self.device.poll(&self.seat, cx.now, world, out)?,
         }
         Ok(())
     }
+}
+
+impl Device {
+    /// Passes on what has come from the device since the last time. The port is opened when a real world first asks for it.
+    fn poll(
+        &mut self,
+        seat: &Seat,
+        now: Time,
+        world: &mut dyn World,
+        out: &mut Observations,
+    ) -> Result<(), SensorError> {
+        if self.is_dry {
+            return Ok(());
+        }
+        let live = match &mut self.live {
+            Some(live) => live,
+            empty => {
+                empty.insert(Live::start(&address(self.port.as_deref(), seat, world)?, self.settings.clone()))
+            }
+        };
+        let interpretation = &self.interpretation;
+        live.drain(|scan, age| {
+            let data = Data::LaserScan(interpretation.laser_scan(scan, out));
+            out.push(Observation {
+                sensor: seat.sensor,
+                stamp: now - age,
+                base_from_sensor: seat.base_from_sensor,
+                valid: !scan.status.is_implausible(),
+                data,
+            });
+        })
+    }
+}
+
+/// Where the device is.
+fn address(port: Option<&str>, seat: &Seat, world: &mut dyn World) -> Result<String, SensorError> {
+    let device = OwnDevice { model: MODEL, name: &seat.name, base_from_sensor: &seat.base_from_sensor };
+    let emulated = world.emulated_device(&device)?;
+    emulated.or_else(|| port.map(str::to_owned)).ok_or_else(|| SensorError::Device {
+        device: seat.name.clone(),
+        reason: "the world is real, and `port` does not say where the device is".to_owned(),
+    })
 }
 
 #[cfg(test)]

@@ -105,7 +105,7 @@ fn things_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
 }
 
 /// Slip models are an open family: their names and keys are known to the program that links them.
-fn slip_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+pub(crate) fn slip_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     schemars::json_schema!({
         "type": ["object", "null"],
         "properties": { "model": { "type": "string" } },

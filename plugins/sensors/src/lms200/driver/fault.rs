@@ -33,6 +33,12 @@ pub enum DriverFault {
     /// At no speed.
     #[error("nothing answers at any speed; is the device switched on, and is this its port?")]
     NotFound,
+    /// Bytes came, and no telegram among them.
+    #[error(
+        "something else answers: bytes come, but no telegram at any speed; is this the port of another device, or are \
+         the two data lines swapped?"
+    )]
+    SomethingElse,
     /// No answer to a command.
     #[error("the device does not answer {step}")]
     NoAnswer {

@@ -53,6 +53,7 @@ impl Driver {
                     self.set_speed(speed);
                     self.send(now);
                 }
+                None if self.n_unheeded > 0 => self.fail(DriverFault::SomethingElse, now),
                 None => self.fail(DriverFault::NotFound, now),
             },
             Task::Command(_) | Task::Stop | Task::StopSpeed => self.send(now),
@@ -134,10 +135,18 @@ impl Driver {
                 return self.fail(DriverFault::Refused { step: step.name() }, now);
             }
             (Step::Install(_), Reply::ModeSwitched(1)) => return self.fail(DriverFault::Password, now),
-            (Step::Status, Reply::Status(_)) => Step::Type,
+            (Step::Status, Reply::Status(report)) => {
+                // Behind a bridge the port's own speed says nothing, so the device's word counts.
+                self.device_speed = report.speed().unwrap_or(self.speed);
+                Step::Type
+            }
             (Step::Type, Reply::Type(text)) => {
                 self.device_type = Some(text.trim_end().to_owned());
-                if self.speed == self.settings.speed { Step::ReadConfiguration } else { Step::AskSpeed }
+                if self.device_speed == self.settings.speed {
+                    Step::ReadConfiguration
+                } else {
+                    Step::AskSpeed
+                }
             }
             (Step::AskSpeed, Reply::ModeSwitched(0)) => return self.begin(Task::SpeedPause, now),
             (Step::ConfirmSpeed, Reply::Status(_)) => Step::ReadConfiguration,

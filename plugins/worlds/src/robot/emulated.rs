@@ -1,0 +1,107 @@
+//! The robot that is not there: one simulated robot, its base and its devices behind real lines, in real time.
+
+mod base;
+mod scene;
+
+use std::sync::Arc;
+
+use rumbo_core::registry::Plugin;
+use rumbo_core::robot::Robot;
+use rumbo_core::stages::{BuildContext, BuildError, OwnDevice, Truth, World, WorldError};
+use rumbo_kit::emulation::{Clock, EmulatedDevice, LineFaults, Mounted, Outlet, Served, model, models};
+
+use super::clock::WallClock;
+use super::params::EmulateParams;
+use crate::sim::SimParams;
+pub use base::EmulatedBase;
+pub use scene::{Scene, SceneView};
+
+/// A simulated robot in real time.
+pub struct EmulatedRobot {
+    /// Threads that use the scene end before it does.
+    served: Vec<Served>,
+    scene: Arc<Scene>,
+    clock: Clock,
+    robot: Arc<Robot>,
+    params: EmulateParams,
+    seed: u64,
+}
+
+impl std::fmt::Debug for EmulatedRobot {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("EmulatedRobot").field("served", &self.served).finish_non_exhaustive()
+    }
+}
+
+impl EmulatedRobot {
+    /// Puts the robot into its place. Nothing can be reached yet.
+    pub fn new(params: &EmulateParams, context: &BuildContext) -> Result<Self, BuildError> {
+        let sim = SimParams {
+            map: params.map.clone(),
+            start: params.start,
+            slip: params.slip.clone(),
+            ..SimParams::default()
+        };
+        let in_table = |fault: BuildError| BuildError { path: format!("emulate.{}", fault.path), ..fault };
+        let world: Box<dyn World> = sim.build(context).map_err(in_table)?;
+        let clock = WallClock::start();
+        Ok(Self {
+            served: Vec::new(),
+            scene: Arc::new(Scene::new(world)),
+            clock: Arc::new(move || clock.now()),
+            robot: Arc::clone(&context.robot),
+            params: params.clone(),
+            seed: context.seed,
+        })
+    }
+
+    /// Lets the base live at an outlet; the address that a host opens.
+    pub fn serve_base(&mut self, outlet: Outlet) -> std::io::Result<String> {
+        let base = EmulatedBase::new(&self.params, &self.robot, Arc::clone(&self.scene));
+        self.serve("base", Box::new(base), outlet)
+    }
+
+    /// Switches a device on and lets it live at an outlet; the address that a host opens.
+    pub fn serve_device(&mut self, device: &OwnDevice<'_>, outlet: Outlet) -> Result<String, WorldError> {
+        let Some(model) = model(device.model) else {
+            let known: Vec<&str> = models().map(|model| model.name).collect();
+            return Err(WorldError::Other(format!(
+                "there is no emulated {}, expected one of {}",
+                device.model,
+                known.join(", ")
+            )));
+        };
+        let view = SceneView { scene: Arc::clone(&self.scene), clock: Arc::clone(&self.clock) };
+        let mounted = Mounted {
+            base_from_sensor: *device.base_from_sensor,
+            surroundings: Box::new(view),
+            now: (self.clock)(),
+            seed: self.seed,
+        };
+        let served = self.serve(device.name, (model.switch_on)(mounted), outlet);
+        served.map_err(|error| WorldError::Other(format!("{}: {error}", device.name)))
+    }
+
+    /// Where the robot really is.
+    pub fn truth(&self) -> Option<Truth> {
+        self.scene.at((self.clock)(), |world| world.truth().copied())
+    }
+
+    /// Everything that was served still lives.
+    pub fn is_alive(&self) -> bool {
+        self.served.iter().all(Served::is_alive)
+    }
+
+    fn serve(
+        &mut self,
+        name: &str,
+        device: Box<dyn EmulatedDevice>,
+        outlet: Outlet,
+    ) -> std::io::Result<String> {
+        let faults = LineFaults::new(self.params.faults, self.seed, name);
+        let served = Served::start(outlet, device, faults, Arc::clone(&self.clock))?;
+        let address = served.address().to_owned();
+        self.served.push(served);
+        Ok(address)
+    }
+}
