@@ -105,7 +105,7 @@ impl SoundWatch {
     /// All that only sound knows of.
     pub fn obstacles(&self, sightings: &Sightings, scene: &Scene<'_>) -> Vec<Obstacle> {
         let as_obstacle =
-            |heard: Heard| Obstacle { position: heard.point, radius_m: 0.05, stamp: heard.stamp };
+            |heard: Heard| Obstacle { position: heard.point, radius_m: 0.0, stamp: heard.stamp };
         self.news(sightings, scene).map(as_obstacle).collect()
     }
 
