@@ -161,6 +161,7 @@ fn every_shipped_world_loads_and_a_robot_can_stand_in_it() {
         ("office_blocked.toml", start(2.0, 3.0, 90.0)),
         ("office_unreachable.toml", start(2.0, 3.0, 90.0)),
         ("office_people.toml", start(2.0, 3.0, 90.0)),
+        ("glass_corridor.toml", start(2.0, 3.0, 90.0)),
     ];
     let mut names: Vec<String> = std::fs::read_dir(worlds())
         .unwrap()
@@ -194,6 +195,7 @@ fn the_blocked_corridor_is_blocked_and_the_shut_doors_are_shut() {
     let corridor = start(8.0, 8.0, 0.0);
     assert!((ahead("office-20m.yaml", corridor) - 20.8).abs() < 1e-5);
     assert!((ahead("office_blocked.toml", corridor) - 3.65).abs() < 1e-6);
+    assert!((ahead("glass_corridor.toml", corridor) - 20.8).abs() < 1e-5, "light goes through");
     let door = start(13.7, 8.0, 90.0);
     assert!((ahead("office-20m.yaml", door) - 6.3).abs() < 1e-5, "to the bench inside");
     assert!((ahead("office_unreachable.toml", door) - 1.05).abs() < 1e-6);

@@ -52,7 +52,8 @@ pub struct StopAndReplanParams {
     /// does as published: a single echo of a front sonar nearer than `stop_distance_m` is an obstacle.
     pub sonar_decay_s: f64,
     /// Sonars whose axes are within this of straight ahead are fused, degrees. A pane answers only to a sonar that meets it
-    /// squarely, so those ahead alone miss a pane that stands aslant in the way.
+    /// squarely: those ahead alone miss a pane that stands aslant in the way, and those beside hear how far it goes on.
+    /// What is heard nearer than `stop_distance_m` stops the robot only within 60 degrees of straight ahead.
     pub sonar_within_deg: f64,
     /// The front sonars are those whose axes are within this of straight ahead, degrees: where echoes are not fused, only
     /// they count.

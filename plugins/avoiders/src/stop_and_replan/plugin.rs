@@ -84,15 +84,14 @@ impl StopAndReplan {
             input.twist.integrate(-age_s)
         };
         self.touched.clear();
+        // In the order in which it was seen: a robot that waited for a path has seconds to catch up with, and what a scan
+        // of that time explains, one of now may not.
         for observation in input.seen.iter() {
             let then = since_then(observation.stamp);
+            let map_from_base_then = scene.map_from_base * then;
             self.sightings.see(observation, &(scene.odom_from_base * then));
-            add_touched(observation, &(scene.map_from_base * then), input.obstacles, &mut self.touched);
-        }
-        // After all scans: light explains echoes of the same moment.
-        if let Some(sound) = &mut self.sound {
-            for observation in input.seen.iter() {
-                let map_from_base_then = scene.map_from_base * since_then(observation.stamp);
+            add_touched(observation, &map_from_base_then, input.obstacles, &mut self.touched);
+            if let Some(sound) = &mut self.sound {
                 sound.listen(observation, map_from_base_then, &self.sightings, scene);
             }
         }

@@ -5,7 +5,7 @@ use super::evidence::{EvidenceTuning, Heard, SonarEvidence};
 use super::explained::{is_near_occupied, is_occupied_in_cone};
 use super::front_watch::Scene;
 use super::sightings::{Sightings, Source};
-use rumbo_core::frames::{Point2, Pose2};
+use rumbo_core::frames::{Point2, Pose2, wrap_angle};
 use rumbo_core::map::Grid;
 use rumbo_core::messages::{Data, Observation, Obstacle};
 
@@ -33,7 +33,7 @@ pub struct SoundTuning {
 pub struct SoundWatch {
     tuning: SoundTuning,
     evidence: SonarEvidence,
-    /// The nearest echo of the last reading that nothing explains and that is not sure yet.
+    /// The nearest echo ahead of the last reading that nothing explains and that is not sure yet.
     doubtful_m: f64,
 }
 
@@ -69,7 +69,8 @@ impl SoundWatch {
             let is_news = self.evidence.is_in_reach(&cone)
                 && !self.evidence.is_before(now, &cone)
                 && !self.is_expected(&cone, sightings, scene);
-            if is_news && !self.evidence.hear(now, &cone) {
+            let off_rad = wrap_angle(cone.axis_rad - map_from_base.rotation.angle());
+            if is_news && !self.evidence.hear(now, &cone) && off_rad.abs() <= Self::AHEAD_RAD {
                 self.doubtful_m = self.doubtful_m.min(cone.range_m);
             }
         }
@@ -105,7 +106,7 @@ impl SoundWatch {
     /// All that only sound knows of.
     pub fn obstacles(&self, sightings: &Sightings, scene: &Scene<'_>) -> Vec<Obstacle> {
         let as_obstacle =
-            |heard: Heard| Obstacle { position: heard.point, radius_m: 0.05, stamp: heard.stamp };
+            |heard: Heard| Obstacle { position: heard.point, radius_m: 0.0, stamp: heard.stamp };
         self.news(sightings, scene).map(as_obstacle).collect()
     }
 

@@ -163,6 +163,23 @@ fn what_is_known_by_now_stops_nobody_a_second_time() {
     assert_eq!(n_blocked, 1);
 }
 
+#[test]
+fn echoes_of_the_time_while_the_robot_waited_are_explained_by_the_scans_of_that_time() {
+    // Somebody stood before the robot for three seconds, was seen and heard, and left; only then came a path.
+    let mut bench = Bench::new(StopAndReplanParams::default());
+    bench.grid = Some(grid_with(&[], 0.0));
+    let mut seen = Vec::new();
+    for k in 0..30 {
+        let is_there = k < 29;
+        let legs: &[(f64, f64)] = if is_there { &[(0.0, 0.45), (1.0, 0.45)] } else { &[] };
+        let ring = if is_there { ring_with(&[(0, 0.25)]) } else { ring_with(&[]) };
+        seen.extend([hits(bench.now, legs), observe(bench.now, ring_of(ring))]);
+        bench.now = bench.now + Span::from_secs(PERIOD_S);
+    }
+    bench.follow(&[(0.0, 0.0), (4.0, 0.0)]);
+    assert!(drives(&bench.steer(&seen).unwrap()), "nothing is left of it");
+}
+
 fn touch(stamp: Time, pressed: u64) -> Observation {
     let bumpers = Bumpers {
         n_bumpers: 16,
