@@ -38,8 +38,10 @@ const GATES_M: [f64; 8] = [0.40, 0.40, 0.30, 0.20, 0.15, 0.10, 0.10, 0.10];
 const LEAST_COSINE: f64 = 0.17;
 /// The odometer misjudges a turn by this much at least, radians (half a degree).
 const LEAST_TURN_RAD: f64 = 0.009;
-/// Neighboring beams meet the same cells, whose errors they share: so many of them count as one.
-const BEAMS_PER_ERROR: f64 = 6.0;
+/// Neighboring beams meet the same wall, whose error on the map they share: so many of them count as one.
+const BEAMS_PER_ERROR: f64 = 16.0;
+/// What beams scatter by tells more of their errors than what was believed before, within these factors of the variance.
+const SCATTER: [f64; 2] = [0.25, 25.0];
 /// Without a single beam the pose is as unsure as the cell it came from: meters, and radians.
 const PRIOR_DEVIATION: [f64; 3] = [0.10, 0.10, 0.10];
 
@@ -82,12 +84,15 @@ pub fn refine(
 struct System {
     hessian: DMatrix<f64>,
     gradient: DVector<f64>,
+    /// Sum of weights, and of weighted squares in terms of the expected variance.
+    scatter: [f64; 2],
 }
 
 impl System {
     /// Starts from what is known without beams.
     fn new(n: usize, start: &Pose2, now: &Refined, turn_deviations: &[f64]) -> System {
-        let mut system = System { hessian: DMatrix::zeros(n, n), gradient: DVector::zeros(n) };
+        let mut system =
+            System { hessian: DMatrix::zeros(n, n), gradient: DVector::zeros(n), scatter: [0.0; 2] };
         let way = start.translation.vector - now.map_from_base.translation.vector;
         let turned = wrap_angle(start.rotation.angle() - now.map_from_base.rotation.angle());
         let turns = now.turns_rad.iter().map(|turn| -turn);
@@ -108,7 +113,10 @@ impl System {
         if cosine.abs() < LEAST_COSINE || !off_m.is_finite() || off_m.abs() >= gate_m {
             return;
         }
-        let weight = (1.0 - (off_m / gate_m).powi(2)).powi(2) / (deviation_m * deviation_m * BEAMS_PER_ERROR);
+        let share = (1.0 - (off_m / gate_m).powi(2)).powi(2);
+        self.scatter[0] += share;
+        self.scatter[1] += share * (off_m / deviation_m).powi(2);
+        let weight = share / (deviation_m * deviation_m * BEAMS_PER_ERROR);
         // Turning moves the end across its way from the center of the turn.
         let by_turn = |center_x: f64, center_y: f64| {
             ny * (comparison.end.x - center_x) - nx * (comparison.end.y - center_y)
@@ -132,7 +140,9 @@ impl System {
     fn solved(self, covariance: &mut Matrix3<f64>) -> Option<DVector<f64>> {
         let inverse = self.hessian.cholesky()?.inverse();
         let pose = inverse.fixed_view::<3, 3>(0, 0).into_owned();
-        *covariance = (pose + pose.transpose()) / 2.0;
+        let [weights, squares] = self.scatter;
+        let factor = if weights > 1.0 { (squares / weights).clamp(SCATTER[0], SCATTER[1]) } else { 1.0 };
+        *covariance = (pose + pose.transpose()) * (factor / 2.0);
         let step = inverse * self.gradient;
         step.iter().all(|part| part.is_finite()).then_some(step)
     }

@@ -29,6 +29,8 @@ pub struct Robot<'o> {
     localizer: Box<dyn Localizer>,
     /// Where it truly is.
     pub map_from_base: Pose2,
+    /// Where it was at the last scan.
+    looked_from: Pose2,
     odom_from_base: Pose2,
     wish: Option<Wish>,
     left: f64,
@@ -59,6 +61,7 @@ impl<'o> Robot<'o> {
             map,
             localizer,
             map_from_base,
+            looked_from: map_from_base,
             odom_from_base: pose2(5.0, 6.0, 2.0),
             wish: None,
             left: 0.0,
@@ -74,6 +77,7 @@ impl<'o> Robot<'o> {
     pub fn step(&mut self) -> Estimate {
         let now = Time::from_secs(STEP_S * f64::from(self.n_steps));
         self.n_steps += 1;
+        self.looked_from = self.map_from_base;
         let ranges = self.laser.ranges_m(self.office, &self.map_from_base, &[], &mut self.rng);
         let scan = LaserScan {
             first_bearing_rad: self.laser.fan.first_bearing_rad,
@@ -117,10 +121,10 @@ impl<'o> Robot<'o> {
         panic!("the search has no end");
     }
 
-    /// Error of an estimate: meters, and degrees.
+    /// Error of the last estimate: meters, and degrees.
     pub fn off(&self, estimate: &Estimate) -> [f64; 2] {
-        let way = estimate.pose2().translation.vector - self.map_from_base.translation.vector;
-        let turn = wrap_angle(estimate.pose2().rotation.angle() - self.map_from_base.rotation.angle());
+        let way = estimate.pose2().translation.vector - self.looked_from.translation.vector;
+        let turn = wrap_angle(estimate.pose2().rotation.angle() - self.looked_from.rotation.angle());
         [way.norm(), turn.abs().to_degrees()]
     }
 

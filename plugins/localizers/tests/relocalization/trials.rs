@@ -141,23 +141,23 @@ fn of_two_rooms_that_look_the_same_none_is_believed() {
             assert!(places.len() == 2 && (apart.norm() - 4.0).abs() < 0.1, "{places:?}");
             let off =
                 |idx: usize| (places[idx].map_from_base.translation.vector - pose.translation.vector).norm();
-            assert!(off(0).min(off(1)) < 0.08);
+            assert!(off(0).min(off(1)) < if thesis_mode { 0.15 } else { 0.01 });
         }
     }
 }
 
 #[test]
 fn a_robot_amid_what_nobody_knows_is_never_put_elsewhere() {
-    // A meeting room whose walls nobody saw, but for the frames of its door; everywhere else there are such doors.
+    // A meeting room whose walls nobody saw, but for the frames of its door; larger rooms have such doors, too.
     let office = Office::drawn(
         5,
         "
         ##############################
-        #.........#.........#........#
-        #.........#.........#........#
-        #.........#.........#........#
-        #.........#.........#........#
-        #.........#.........#........#
+        #.......#...........#........#
+        #.......#...........#........#
+        #.......#...........#........#
+        #.......#...........#........#
+        #.......#...........#........#
         ####..########..########..####
         #............................#
         #............................#
@@ -173,7 +173,7 @@ fn a_robot_amid_what_nobody_knows_is_never_put_elsewhere() {
     let (width, height) = (grid.width() as usize, grid.height() as usize);
     let cells = grid.cells.make_mut();
     for row in height - 35..height {
-        for col in 0..52 {
+        for col in 0..43 {
             // Of the upper left room only floor was seen, and its door.
             let is_door = row < height - 28 && (15..35).contains(&col);
             if cells[row * width + col] > 0.0 && !is_door {
@@ -188,7 +188,7 @@ fn a_robot_amid_what_nobody_knows_is_never_put_elsewhere() {
         let mut rng = stream(4, "meeting");
         let (mut n_told, mut n_wrong) = (0, 0);
         for _ in 0..20 {
-            let at = [rng.random_range(0.6..2.0), 4.0 - rng.random_range(0.5..1.4)];
+            let at = [rng.random_range(0.6..1.5), 4.0 - rng.random_range(0.5..1.4)];
             let pose = rumbo_core::frames::pose2(at[0], at[1], rng.random_range(-3.0..3.0));
             let seen = Laser::lms200().look_around(&office, &pose, &[], 0.0, &mut rng);
             let mut locator = Locator::new(params.locator(), stream(1, "noise"));
