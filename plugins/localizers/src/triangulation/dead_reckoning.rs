@@ -15,8 +15,9 @@ pub struct Way {
     pub turn_rad: f64,
 }
 
-/// The odometer is never better than this, whatever it claims: m/m, rad/m, rad/rad.
-const LEAST_NOISE: [f64; 3] = [0.005, 0.002, 0.005];
+/// An odometer is never taken to be better than this, whatever it claims: m/m, rad/m, rad/rad. One that boasts would
+/// outvote landmarks; scans soon tell how good one really is.
+const LEAST_NOISE: [f64; 3] = [0.01, 0.01, 0.02];
 /// Share of each claimed deviation that is new on every way, beside the one that stays: wheels that slip in turns do so
 /// each time anew.
 const NEW_SHARE: [f64; 3] = [0.5, 0.5, 1.0];

@@ -5,16 +5,14 @@
 
 use super::dead_reckoning::{Way, sigmas};
 use super::landmark_errors::LandmarkErrors;
+use super::linearized::{OFFSETS, Rows, deviations, residual_at};
 use super::mapped_marks::{MappedMark, MappedMarks, Slot};
-use super::sighting::{Residual, Sighting, offset_variances};
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
+use super::sighting::{Sighting, offset_variances};
+use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 use rumbo_core::frames::{Point2, Pose2, pose2, wrap_angle};
 
 /// Correlation of offsets of two pieces of one wall.
 const ALIKE: f64 = 0.95;
-/// Where offsets begin in the state.
-const OFFSETS: usize = 6;
-
 /// Pose, odometer and offsets with their covariance.
 #[derive(Debug, Clone)]
 pub struct Joint {
@@ -124,7 +122,8 @@ impl Joint {
             self.covariance.fixed_view_mut::<3, 3>(3, 3).copy_from(&Matrix3::from_diagonal(&variances));
         }
         let covariance = self.carried(way, noise).1;
-        let pose = self.moved(way, &told);
+        let mut pose = self.moved(way, &told);
+        pose.z = wrap_angle(pose.z);
         let others = self.covariance.columns(3, self.covariance.ncols() - 3).into_owned();
         let moved = told.by_pose() * others.fixed_rows::<3>(0) + told.by_errors() * others.fixed_rows::<3>(3);
         self.covariance.fixed_rows_mut::<3>(0).columns_range_mut(3..).copy_from(&moved);
@@ -214,13 +213,13 @@ impl Joint {
         let mut weights = vec![1.0; possible.len()];
         let mut solved = None;
         for _ in 0..N_STEPS {
-            let rows = self.rows(&possible, &prior, &state, base_from_sensor);
+            let rows = Rows::at(&possible, (&prior, &state), &self.covariance, base_from_sensor);
             let (gain, shrunk) = rows.gain(&self.covariance, &possible, &weights)?;
-            let step = &prior + gain * &rows.innovation - &state;
+            let step = &prior + gain * rows.innovation() - &state;
             state += &step;
             solved = Some(shrunk);
             for (weight, sighting) in weights.iter_mut().zip(&possible) {
-                let off = residual(sighting, &state, base_from_sensor).off;
+                let off = residual_at(sighting, &state, base_from_sensor).off;
                 let deviations = deviations(&off, &sighting.covariance);
                 *weight = if deviations > SURE { (SURE / deviations).powi(2) } else { 1.0 };
             }
@@ -239,10 +238,8 @@ impl Joint {
         state: &DVector<f64>,
         base_from_sensor: &Pose2,
     ) -> bool {
-        let rows = self.rows(&[sighting], prior, state, base_from_sensor);
-        let spread = &rows.by_state_covariance * rows.by_state.transpose();
-        let spread = spread.fixed_view::<2, 2>(0, 0).into_owned() + sighting.covariance;
-        deviations(&Vector2::new(rows.innovation[0], rows.innovation[1]), &spread) <= GATE
+        let rows = Rows::at(&[sighting], (prior, state), &self.covariance, base_from_sensor);
+        rows.first_deviations(sighting) <= GATE
     }
 
     /// Takes over what sightings lead to.
@@ -254,73 +251,8 @@ impl Joint {
             .set_offsets((OFFSETS..state.len()).step_by(2).map(|at| Vector2::new(state[at], state[at + 1])));
         self.covariance = (&covariance + covariance.transpose()) / 2.0;
     }
-
-    fn rows(
-        &self,
-        sightings: &[&Sighting],
-        prior: &DVector<f64>,
-        state: &DVector<f64>,
-        base_from_sensor: &Pose2,
-    ) -> Rows {
-        let (n, n_rows) = (state.len(), 2 * sightings.len());
-        let mut by_state = DMatrix::zeros(n_rows, n);
-        let mut innovation = DVector::zeros(n_rows);
-        let mut moved = state - prior;
-        moved[2] = wrap_angle(moved[2]);
-        for (k, sighting) in sightings.iter().enumerate() {
-            let Residual { off, by_pose, by_offset } = residual(sighting, state, base_from_sensor);
-            by_state.fixed_view_mut::<2, 3>(2 * k, 0).copy_from(&by_pose);
-            let mut ahead = off + by_pose * moved.fixed_rows::<3>(0);
-            if let Some(at) = sighting.slot.map(|slot| OFFSETS + 2 * slot) {
-                by_state.fixed_view_mut::<2, 2>(2 * k, at).copy_from(&by_offset);
-                ahead += by_offset * moved.fixed_rows::<2>(at);
-            }
-            innovation.fixed_rows_mut::<2>(2 * k).copy_from(&ahead);
-        }
-        let by_state_covariance = &by_state * &self.covariance;
-        Rows { by_state, by_state_covariance, innovation }
-    }
-}
-
-/// All sightings, linearized.
-struct Rows {
-    by_state: DMatrix<f64>,
-    by_state_covariance: DMatrix<f64>,
-    /// From what the prior lets expect.
-    innovation: DVector<f64>,
-}
-
-impl Rows {
-    /// The gain and the covariance afterwards.
-    fn gain(
-        &self,
-        covariance: &DMatrix<f64>,
-        sightings: &[&Sighting],
-        weights: &[f64],
-    ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
-        let mut spread = &self.by_state_covariance * self.by_state.transpose();
-        for (k, (sighting, weight)) in sightings.iter().zip(weights).enumerate() {
-            let mut part = spread.fixed_view_mut::<2, 2>(2 * k, 2 * k);
-            part += sighting.covariance / *weight;
-        }
-        let inverse_times = spread.cholesky()?.solve(&self.by_state_covariance);
-        let shrunk = covariance - self.by_state_covariance.transpose() * &inverse_times;
-        Some((inverse_times.transpose(), shrunk))
-    }
 }
 
 fn vector(pose: &Pose2) -> Vector3<f64> {
     Vector3::new(pose.translation.x, pose.translation.y, pose.rotation.angle())
-}
-
-fn residual(sighting: &Sighting, state: &DVector<f64>, base_from_sensor: &Pose2) -> Residual {
-    let pose = state.fixed_rows::<3>(0).into_owned();
-    let offset =
-        sighting.slot.map_or(Vector2::zeros(), |slot| state.fixed_rows::<2>(OFFSETS + 2 * slot).into_owned());
-    sighting.residual(&pose, &offset, base_from_sensor)
-}
-
-/// How many standard deviations off; without bound where the covariance is none.
-fn deviations(off: &Vector2<f64>, covariance: &Matrix2<f64>) -> f64 {
-    covariance.try_inverse().map_or(f64::INFINITY, |inverse| off.dot(&(inverse * off)).max(0.0).sqrt())
 }

@@ -13,8 +13,14 @@ use rumbo_core::rng::{Rng, stream};
 use rumbo_core::time::Time;
 use std::f64::consts::PI;
 
-const QUIET: Hardship =
-    Hardship { odometer_errs: false, has_walker: false, tilted: 0.0, start_is_off: false, n_beams: 361 };
+const QUIET: Hardship = Hardship {
+    odometer_errs: false,
+    odometer_boasts: false,
+    has_walker: false,
+    tilted: 0.0,
+    start_is_off: false,
+    n_beams: 361,
+};
 
 fn tracker_at(pose: &Pose2) -> Tracker {
     let covariance = Matrix3::from_diagonal(&Vector3::new(2.5e-5, 2.5e-5, 4e-6));
