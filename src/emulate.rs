@@ -109,7 +109,8 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
         return Err(refused(&fault));
     }
     let interrupt = on_interrupt()?;
-    let mut robot = EmulatedRobot::new(&source.emulate, &source.context).map_err(|fault| refused(&fault))?;
+    let place = source.emulate.place(&source.context).map_err(|fault| refused(&fault))?;
+    let mut robot = EmulatedRobot::new(place, &source.emulate, &source.context);
     let served = args.serve(&mut robot, &source)?;
     if args.json {
         terminal.json(&served)?;

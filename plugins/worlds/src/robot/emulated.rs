@@ -5,14 +5,12 @@ mod scene;
 
 use std::sync::Arc;
 
-use rumbo_core::registry::Plugin;
 use rumbo_core::robot::Robot;
-use rumbo_core::stages::{BuildContext, BuildError, OwnDevice, Truth, World, WorldError};
+use rumbo_core::stages::{BuildContext, OwnDevice, Truth, World, WorldError};
 use rumbo_kit::emulation::{Clock, EmulatedDevice, LineFaults, Mounted, Outlet, Served, model, models};
 
 use super::clock::WallClock;
 use super::params::EmulateParams;
-use crate::sim::SimParams;
 pub use base::EmulatedBase;
 pub use scene::{Scene, SceneView};
 
@@ -34,25 +32,17 @@ impl std::fmt::Debug for EmulatedRobot {
 }
 
 impl EmulatedRobot {
-    /// Puts the robot into its place. Nothing can be reached yet.
-    pub fn new(params: &EmulateParams, context: &BuildContext) -> Result<Self, BuildError> {
-        let sim = SimParams {
-            map: params.map.clone(),
-            start: params.start,
-            slip: params.slip.clone(),
-            ..SimParams::default()
-        };
-        let in_table = |fault: BuildError| BuildError { path: format!("emulate.{}", fault.path), ..fault };
-        let world: Box<dyn World> = sim.build(context).map_err(in_table)?;
+    /// Puts the robot into a simulated place, which [`EmulateParams::place`] gives. Nothing can be reached yet.
+    pub fn new(place: Box<dyn World>, params: &EmulateParams, context: &BuildContext) -> Self {
         let clock = WallClock::start();
-        Ok(Self {
+        Self {
             served: Vec::new(),
-            scene: Arc::new(Scene::new(world)),
+            scene: Arc::new(Scene::new(place)),
             clock: Arc::new(move || clock.now()),
             robot: Arc::clone(&context.robot),
             params: params.clone(),
             seed: context.seed,
-        })
+        }
     }
 
     /// Lets the base live at an outlet; the address that a host opens.

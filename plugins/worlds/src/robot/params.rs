@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use rumbo_core::registry::Params;
-use rumbo_core::stages::BuildError;
+use rumbo_core::registry::{Params, Plugin};
+use rumbo_core::stages::{BuildContext, BuildError, World};
 use rumbo_kit::emulation::LineFaultParams;
 use rumbo_kit::port::is_address;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::sim::{Slip, Start};
+use crate::sim::{SimParams, Slip, Start};
 
 /// A real robot in real time: its base speaks the protocol of `docs/base-protocol.md` over a serial port or TCP, and
 /// sensors such as `lms200` read their own devices.
@@ -122,6 +122,17 @@ impl Params for RobotParams {
 }
 
 impl EmulateParams {
+    /// The simulated place, with the robot in it.
+    pub fn place(&self, context: &BuildContext) -> Result<Box<dyn World>, BuildError> {
+        let sim = SimParams {
+            map: self.map.clone(),
+            start: self.start,
+            slip: self.slip.clone(),
+            ..SimParams::default()
+        };
+        sim.build(context).map_err(|fault| BuildError { path: format!("emulate.{}", fault.path), ..fault })
+    }
+
     /// Every impossible value at once.
     pub fn check(&self) -> Vec<BuildError> {
         let mut faults = start_faults("emulate.start", &self.start);

@@ -50,7 +50,9 @@ impl Plugin<dyn World> for RobotParams {
             return Err(fault);
         }
         let emulate = self.emulated();
-        let mut emulated = emulate.map(|emulate| EmulatedRobot::new(emulate, context)).transpose()?;
+        let mut emulated = emulate
+            .map(|emulate| Ok(EmulatedRobot::new(emulate.place(context)?, emulate, context)))
+            .transpose()?;
         let address = match (&mut emulated, &self.port) {
             (Some(robot), _) if !context.dry_run => served(robot)?,
             (_, port) => port.clone().unwrap_or_default(),

@@ -16,7 +16,7 @@ fn from_base() -> Vec<FromBase> {
     let ring = SonarGeometry {
         n_sonars: 16,
         first_bearing_rad: 0.0,
-        bearing_step_rad: 0.392699,
+        bearing_step_rad: 0.4,
         cone_rad: 0.436332,
         ring_radius_m: 0.2,
         min_range_m: 0.15,
@@ -42,11 +42,7 @@ fn from_base() -> Vec<FromBase> {
     vec![
         FromBase::Base(identity),
         FromBase::Sonars(ring),
-        FromBase::Bumpers(BumperGeometry {
-            n_bumpers: 16,
-            first_bearing_rad: 0.0,
-            bearing_step_rad: 0.392699,
-        }),
+        FromBase::Bumpers(BumperGeometry { n_bumpers: 16, first_bearing_rad: 0.0, bearing_step_rad: 0.4 }),
         FromBase::No { version: 2 },
         FromBase::Wheels(WheelReport { at_ms: u32::MAX, wheels }),
         FromBase::Ranges { at_ms: 5, readings },

@@ -102,7 +102,7 @@ fn the_emergency_stop_holds_until_it_is_released() {
 fn reports_come_at_their_rates() {
     let mut base = base();
     tell(&mut base, 0.0, Some(ToBase::Hello { version: 1 }));
-    let mut counts = [0; 4];
+    let mut counts = [0i32; 4];
     for k in 1..=2500 {
         let command = (k % 25 == 0).then_some(ToBase::Drive(Twist::ZERO));
         for line in tell(&mut base, f64::from(k) * 0.004, command) {
@@ -119,6 +119,6 @@ fn reports_come_at_their_rates() {
         }
     }
     for (found, expected) in counts.into_iter().zip([500, 200, 100, 50]) {
-        assert!((found - expected as i32).abs() <= 1, "{counts:?}");
+        assert!((found - expected).abs() <= 1, "{counts:?}");
     }
 }
