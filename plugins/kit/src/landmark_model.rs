@@ -18,7 +18,7 @@ mod surroundings;
 mod tests;
 
 pub use build::{LandmarkModel, ModelBuilder, Progress};
-pub use file::{ModelFileError, fingerprint, load_model, save_model};
+pub use file::{ModelFileError, fingerprint, load_model, save_model, settings_name};
 pub use filter::{CellScore, Filter, Similarity};
 pub use look::{Look, LookKind};
 pub use surroundings::{ModelSettings, Surroundings, Tracer};

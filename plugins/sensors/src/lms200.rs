@@ -7,6 +7,7 @@ mod live;
 mod params;
 mod plugin;
 pub mod protocol;
+mod tilt;
 
 pub use device::{Lms200Mode, Lms200Unit};
 pub use params::Lms200Params;

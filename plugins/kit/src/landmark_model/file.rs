@@ -53,9 +53,23 @@ pub fn fingerprint(grid: &Grid, settings: &ModelSettings) -> [u8; 32] {
     let mut hash = Sha256::new();
     hash.update(grid.width().to_le_bytes());
     hash.update(grid.height().to_le_bytes());
+    hash.update(grid.resolution_m().to_le_bytes());
+    add_settings(&mut hash, settings);
+    let classes: Vec<u8> = grid.cells.iter().map(|cell| grid.class_of(*cell) as u8).collect();
+    hash.update(classes);
+    hash.finalize().into()
+}
+
+/// Eight hexadecimal digits that name settings: models of one map that were made with other settings lie side by side.
+pub fn settings_name(settings: &ModelSettings) -> String {
+    let mut hash = Sha256::new();
+    add_settings(&mut hash, settings);
+    hash.finalize().iter().take(4).map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn add_settings(hash: &mut Sha256, settings: &ModelSettings) {
     let landmarks = &settings.landmarks;
     let numbers = [
-        grid.resolution_m(),
         settings.range_m,
         landmarks.discontinuity_m,
         landmarks.corner_m,
@@ -67,9 +81,6 @@ pub fn fingerprint(grid: &Grid, settings: &ModelSettings) -> [u8; 32] {
     counts.into_iter().for_each(|count| hash.update(count.to_le_bytes()));
     let is_hough = landmarks.wall_fit == WallFit::Hough;
     hash.update([u8::from(is_hough), u8::from(landmarks.spares_grazed_walls)]);
-    let classes: Vec<u8> = grid.cells.iter().map(|cell| grid.class_of(*cell) as u8).collect();
-    hash.update(classes);
-    hash.finalize().into()
 }
 
 /// Writes a model beside its place and then moves it there: others never see half of it.

@@ -9,7 +9,7 @@ use super::relaxation::RelationTolerance;
 use super::search::SearchSettings;
 use rumbo_core::registry::Params;
 use rumbo_core::stages::{BuildContext, BuildError};
-use rumbo_kit::landmark_model::{ModelSettings, Similarity};
+use rumbo_kit::landmark_model::{ModelSettings, Similarity, settings_name};
 use rumbo_kit::landmarks::{LandmarkNoise, LandmarkSettings, WallFit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -61,7 +61,7 @@ pub struct LandmarkRelaxationParams {
     pub most_moves: u32,
     /// Length of the way there that is tried first, meters.
     pub move_m: f64,
-    /// Where the model of the map is kept, so that it is built once: `beside_map` (`MAP.landmark_model`) or `none`.
+    /// Where the model of the map is kept, so that it is built once: `beside_map` (`MAP.SETTINGS.landmark_model`, with eight digits for these settings) or `none`.
     pub cache: ModelCache,
     /// A file of your own for the model, instead of the one beside the map.
     pub cache_file: Option<PathBuf>,
@@ -250,7 +250,8 @@ impl LandmarkRelaxationParams {
             return None;
         }
         let own = self.cache_file.as_ref().map(|file| context.resolve(file));
-        let beside = || Some(context.world_map.as_ref()?.with_extension("landmark_model"));
+        let ending = || format!("{}.landmark_model", settings_name(&self.model()));
+        let beside = || Some(context.world_map.as_ref()?.with_extension(ending()));
         own.or_else(beside)
     }
 }

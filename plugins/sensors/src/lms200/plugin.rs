@@ -9,6 +9,7 @@ use rumbo_core::time::Time;
 use super::device::read;
 use super::driver::Settings;
 use super::live::{Interpretation, Live};
+use super::tilt::tilt;
 use super::{Lms200Mode, Lms200Params, Lms200Unit};
 use crate::laser_2d::scanner::Scanned;
 use crate::recorded::Seat;
@@ -25,6 +26,7 @@ pub struct Lms200 {
     mode: Lms200Mode,
     unit: Lms200Unit,
     is_exact: bool,
+    tilted: f64,
     partial: usize,
     rng: Rng,
     device: Device,
@@ -73,7 +75,8 @@ impl Plugin<dyn Sensor> for Lms200Params {
         let interpretation = Interpretation { mode, unit, measuring_mode, is_inverted: self.inverted };
         let (port, is_dry) = (self.port.clone(), context.dry_run);
         let device = Device { port, settings, interpretation, is_dry, live: None };
-        Ok(Box::new(Lms200 { seat, mode, unit, is_exact, partial: 0, rng, device }))
+        let tilted = self.tilted;
+        Ok(Box::new(Lms200 { seat, mode, unit, is_exact, tilted, partial: 0, rng, device }))
     }
 }
 
@@ -93,7 +96,8 @@ impl Sensor for Lms200 {
             }
         })?;
         match scanned {
-            Scanned::Scan(scan) => {
+            Scanned::Scan(mut scan) => {
+                tilt(scan.ranges_m.make_mut(), self.tilted, &mut self.rng);
                 self.partial = (self.partial + 1) % self.mode.n_partials();
                 out.push(Observation {
                     sensor: self.seat.sensor,
