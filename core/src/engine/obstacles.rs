@@ -216,8 +216,9 @@ mod tests {
             scan.ranges_m.make_mut()[2] = 0.3;
         }
         look(&mut memory, &legs);
-        let beside = |y: f64| Obstacle { position: Point2::new(0.3, y), radius_m: 0.0, stamp: Time(5) };
-        memory.add(&[beside(0.10), beside(-0.16)], None);
+        let touched =
+            |x: f64, y: f64| Obstacle { position: Point2::new(x, y), radius_m: 0.0, stamp: Time(5) };
+        memory.add(&[touched(0.28, 0.14), touched(0.2, -0.25)], None);
         assert_eq!(look(&mut memory, &scan(9, 4.0)), 1, "the other is no part of it");
     }
 
