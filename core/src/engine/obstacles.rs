@@ -208,6 +208,21 @@ mod tests {
     }
 
     #[test]
+    fn what_a_bumper_met_beside_a_beam_that_ended_goes_with_it() {
+        let mut memory = ObstacleMemory::new(&Mission::default());
+        // One beam straight ahead ends at a leg; the bumper says that it stands 0.1 m beside it.
+        let mut legs = scan(5, 4.0);
+        if let Data::LaserScan(scan) = &mut legs.data {
+            scan.ranges_m.make_mut()[2] = 0.3;
+        }
+        look(&mut memory, &legs);
+        let touched =
+            |x: f64, y: f64| Obstacle { position: Point2::new(x, y), radius_m: 0.0, stamp: Time(5) };
+        memory.add(&[touched(0.28, 0.14), touched(0.2, -0.25)], None);
+        assert_eq!(look(&mut memory, &scan(9, 4.0)), 1, "the other is no part of it");
+    }
+
+    #[test]
     fn what_light_does_stays_with_its_obstacle_when_others_go() {
         let mut memory = memory_with(2.0, 0.0, 5);
         memory.add(&[Obstacle { position: Point2::new(0.5, 0.0), radius_m: 0.0, stamp: Time(5) }], None);

@@ -63,14 +63,25 @@ impl NewestScans {
                 continue;
             }
             let in_sensor = map_from_sensor.inverse() * obstacle.position;
-            match sight(scan, in_sensor, obstacle.radius_m) {
-                Sight::There => return Light::Stops,
-                Sight::Through => light = Light::Passes,
-                Sight::Hidden => {}
+            let sight = sight(scan, in_sensor, obstacle.radius_m);
+            if sight == Sight::There || ends_near(scan, in_sensor, obstacle.radius_m) {
+                return Light::Stops;
+            }
+            if sight == Sight::Through {
+                light = Light::Passes;
             }
         }
         light
     }
+}
+
+/// A beam ends near a disc, on any side: sonars and bumpers know the direction of what they meet to ten degrees only, and
+/// what they met may be what light meets beside it.
+fn ends_near(scan: &LaserScan, in_sensor: Point2, radius_m: f64) -> bool {
+    scan.hits().any(|(bearing_rad, range_m)| {
+        let (sin, cos) = bearing_rad.sin_cos();
+        (Point2::new(range_m * cos, range_m * sin) - in_sensor).norm() <= radius_m + BEYOND_M
+    })
 }
 
 /// What one scan says of a disc at a point of the scanner's frame.
