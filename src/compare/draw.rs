@@ -52,9 +52,9 @@ fn attempt(space: &FreeSpace, rules: &Rules, seed: u64, rng: &mut Rng) -> Option
     if !rules.without_goal {
         let field = ground.ways_from(start)?;
         let reach = rules.way_m.unwrap_or([space.least_way_m(), f64::INFINITY]);
-        ends.goal = ground.goal(&field, reach, rng)?;
+        let way = ground.goal(&field, reach, rng)?;
+        ends.goal = way.last().copied()?;
         if let Some(rule) = &rules.in_the_way {
-            let way = ground.way(&field, ends.goal);
             blocker::put((space, &ground), rule, &ends, &way, rng, &mut scenery)?;
         }
     }

@@ -11,6 +11,12 @@ use rumbo_kit::{GridSize, NEIGHBORS_8};
 const STAND_M: f64 = 0.3;
 /// A passage counts as one when it leaves this distance on both sides of the hull, meters.
 const PASS_M: f64 = 0.1;
+/// Ways keep this distance from walls where they can, and one step costs e times as much for each of these lengths less,
+/// meters: what the planner `dp` does by default (Hernández Alamilla 2005, section 3.2.3).
+const PREFERRED_M: f64 = 0.45;
+const PENALTY_M: f64 = 0.05;
+/// Goals that are tried.
+const MOST_GOALS: usize = 100;
 
 /// Cells that a robot may pass, and the middles of those where it may stand in the largest part that passages join.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,11 +26,13 @@ pub struct Ground {
     origin: [f64; 3],
     is_floor: Vec<bool>,
     is_open: Vec<bool>,
+    /// What a step into a cell costs a planner that keeps away from walls, at least 1; infinite where none goes.
+    entries: Vec<f64>,
     /// Meters.
     pub middles: Vec<[f64; 2]>,
 }
 
-/// Lengths of the ways from one place, in cells.
+/// What the ways from one place cost.
 pub struct Ways(Vec<f64>);
 
 impl Ways {
@@ -44,9 +52,17 @@ impl Ground {
         let squared = |clearance_m: f64| ((radius_m + clearance_m) / image.resolution_m + 0.5).powi(2);
         let (pass, stand) = (squared(PASS_M), squared(STAND_M));
         let is_open: Vec<bool> = field.iter().map(|d| f64::from(*d) >= pass).collect();
+        // From a cell's middle to that of the nearest wall cell, as planners on a grid count.
+        let entry = |(squared, is_open): (&u32, &bool)| {
+            let near_m = PREFERRED_M - f64::from(*squared).sqrt() * image.resolution_m;
+            let penalty = if near_m > 0.0 { (near_m / PENALTY_M).exp() } else { 0.0 };
+            if *is_open { 1.0 + penalty } else { f64::INFINITY }
+        };
+        let entries = field.iter().zip(&is_open).map(entry).collect();
         let is_floor = marked.iter().map(|marked| *marked == 0).collect();
         let (resolution_m, origin) = (image.resolution_m, image.origin);
-        let mut ground = Ground { size, resolution_m, origin, is_floor, is_open, middles: Vec::new() };
+        let mut ground =
+            Ground { size, resolution_m, origin, is_floor, is_open, entries, middles: Vec::new() };
         let may_stand = |cell: &usize| field.get(*cell).is_some_and(|d| f64::from(*d) >= stand);
         let cells = largest_room(size, &ground.is_open).into_iter().filter(may_stand);
         ground.middles = cells.map(|cell| ground.middle(cell)).collect();
@@ -79,22 +95,18 @@ impl Ground {
         length.is_some_and(f64::is_finite)
     }
 
-    /// Lengths of the ways from a place; none where a robot cannot stand there.
+    /// The ways from a place; none where a robot cannot stand there.
     pub fn ways_from(&self, from: [f64; 2]) -> Option<Ways> {
         let source = self.cell(from).filter(|_| self.is_open(from))?;
-        let entries: Vec<f64> =
-            self.is_open.iter().map(|is_open| if *is_open { 1.0 } else { f64::INFINITY }).collect();
-        Some(Ways(slow::cost_field(self.size, &entries, StepRule::default(), source)))
+        Some(Ways(slow::cost_field(self.size, &self.entries, StepRule::default(), source)))
     }
 
-    /// A place to stand to which the way has a length in this range, meters.
-    pub fn goal(&self, ways: &Ways, [from_m, to_m]: [f64; 2], rng: &mut Rng) -> Option<[f64; 2]> {
-        let fits = |place: &&[f64; 2]| {
-            let length_m = self.cell(**place).map_or(f64::INFINITY, |cell| ways.to(cell) * self.resolution_m);
-            length_m.is_finite() && (from_m..=to_m).contains(&length_m)
-        };
-        let fitting: Vec<[f64; 2]> = self.middles.iter().filter(fits).copied().collect();
-        pick(&fitting, rng)
+    /// A place to stand to which the way has a length in this range, meters, with that way.
+    pub fn goal(&self, ways: &Ways, [from_m, to_m]: [f64; 2], rng: &mut Rng) -> Option<Vec<[f64; 2]>> {
+        (0..MOST_GOALS).find_map(|_| {
+            let way = self.way(ways, self.place(rng));
+            (way.len() > 1 && (from_m..=to_m).contains(&length_m(&way))).then_some(way)
+        })
     }
 
     /// The way to a place, from where `ways` begin.
@@ -127,6 +139,10 @@ impl Ground {
             (0.0..self.size.width as f64).contains(&col) && (0.0..self.size.height as f64).contains(&row);
         is_inside.then(|| row as usize * self.size.width + col as usize)
     }
+}
+
+fn length_m(way: &[[f64; 2]]) -> f64 {
+    way.windows(2).map(|leg| (leg[1][0] - leg[0][0]).hypot(leg[1][1] - leg[0][1])).sum()
 }
 
 fn pick(places: &[[f64; 2]], rng: &mut Rng) -> Option<[f64; 2]> {

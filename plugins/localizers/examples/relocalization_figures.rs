@@ -7,7 +7,7 @@
 #[path = "../benches/relocalization_work/mod.rs"]
 mod relocalization_work;
 
-use relocalization_work::{Laser, Office, Outcome, trial};
+use relocalization_work::{Clutter, Laser, Office, Outcome, trial};
 use rumbo_localizers::landmark_relaxation::{LandmarkRelaxationParams, NoiseParams};
 
 fn main() {
@@ -17,22 +17,31 @@ fn main() {
         let landmark_noise = Some(NoiseParams::default());
         let params =
             LandmarkRelaxationParams { thesis_mode, landmark_noise, ..LandmarkRelaxationParams::default() };
+        let mode = if thesis_mode { "thesis " } else { "default" };
         for name in ["5x5", "10x10", "20x20"] {
             if !maps.is_empty() && !maps.iter().any(|map| map == name) {
                 continue;
             }
             let office = Office::named(name);
             let known = office.knowledge(&params);
-            for has_boxes in [false, true] {
-                let run = |seed| trial(&office, &known, &params, &Laser::lms200(), has_boxes, seed);
+            let is_other = if name == "10x10" { "5x5" } else { "10x10" };
+            let other = Office::named(is_other);
+            let cases = [
+                ("as it is", &office, Clutter::None),
+                ("boxes", &office, Clutter::Boxes),
+                ("half hidden", &office, Clutter::HalfHidden),
+                ("in another building", &other, Clutter::None),
+            ];
+            for (case, place, clutter) in cases {
+                let run = |seed| trial(place, &known, &params, &Laser::lms200(), clutter, seed);
                 let outcomes: Vec<Outcome> = (0..n_trials).map(run).collect();
-                tell(name, thesis_mode, has_boxes, known.model.n_bytes(), &outcomes);
+                tell(&format!("{name:6} {mode} {case}"), known.model.n_bytes(), &outcomes);
             }
         }
     }
 }
 
-fn tell(name: &str, thesis_mode: bool, has_boxes: bool, n_bytes: usize, outcomes: &[Outcome]) {
+fn tell(case: &str, n_bytes: usize, outcomes: &[Outcome]) {
     let count = |of: fn(&Outcome) -> bool| outcomes.iter().filter(|outcome| of(outcome)).count();
     let found: Vec<&Outcome> = outcomes.iter().filter(|outcome| outcome.is_success()).collect();
     let quantile = |share: f64, of: fn(&Outcome) -> f64| {
@@ -44,10 +53,8 @@ fn tell(name: &str, thesis_mode: bool, has_boxes: bool, n_bytes: usize, outcomes
     let mean_cells = outcomes.iter().map(|outcome| outcome.n_cells).sum::<usize>() as f64 / n as f64;
     let mean_nees = found.iter().map(|outcome| outcome.nees).sum::<f64>() / found.len().max(1) as f64;
     println!(
-        "{name:6} {} {}: {} of {n} found, {} wrong, {} ambiguous, {} nothing; position {:.4} m (95 % {:.4}), heading {:.2} deg \
+        "{case}: {} of {n} found, {} wrong, {} ambiguous, {} nothing; position {:.4} m (95 % {:.4}), heading {:.2} deg \
          (95 % {:.2}), error in terms of the covariance {mean_nees:.2}, {mean_cells:.1} cells, {:.2} MB",
-        if thesis_mode { "thesis " } else { "default" },
-        if has_boxes { "boxes   " } else { "as it is" },
         found.len(),
         count(Outcome::is_wrong),
         count(|outcome| outcome.is_ambiguous),

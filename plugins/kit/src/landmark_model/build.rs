@@ -56,6 +56,11 @@ impl LandmarkModel {
         self.size
     }
 
+    /// Places that are traced to make it: one for each cell, and some at the rim.
+    pub fn n_places(&self) -> usize {
+        self.n_landmarks.len()
+    }
+
     /// Cells that see anything.
     pub fn n_cells(&self) -> usize {
         self.n_landmarks.iter().filter(|n| **n > 0).count()

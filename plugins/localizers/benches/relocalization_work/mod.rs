@@ -160,6 +160,33 @@ pub fn boxes(robot: &Pose2, rng: &mut Rng) -> Vec<[f64; 4]> {
     (0..3).map(|_| one(rng)).collect()
 }
 
+/// What stands around that the map does not show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Clutter {
+    /// Nothing.
+    None,
+    /// Three boxes, see [`boxes`].
+    Boxes,
+    /// Things that hide half of the view, half a meter away.
+    HalfHidden,
+}
+
+impl Clutter {
+    fn around(self, robot: &Pose2, rng: &mut Rng) -> Vec<[f64; 4]> {
+        let first: f64 = rng.random_range(0.0..TAU);
+        let hiding = |k: usize| {
+            let angle = first + PI / 6.0 * k as f64;
+            let (x, y) = (robot.translation.x + 0.7 * angle.cos(), robot.translation.y + 0.7 * angle.sin());
+            [x - 0.18, y - 0.18, x + 0.18, y + 0.18]
+        };
+        match self {
+            Clutter::None => Vec::new(),
+            Clutter::Boxes => boxes(robot, rng),
+            Clutter::HalfHidden => (0..6).map(hiding).collect(),
+        }
+    }
+}
+
 /// A laser.
 #[derive(Debug, Clone, Copy)]
 pub struct Laser {
@@ -246,6 +273,8 @@ pub struct Outcome {
     pub off_deg: f64,
     /// Squared error in terms of the claimed covariance.
     pub nees: f64,
+    /// How much speaks for the place.
+    pub score: f64,
     /// Cells after the filter.
     pub n_cells: usize,
 }
@@ -262,18 +291,18 @@ impl Outcome {
     }
 }
 
-/// One trial: somewhere in the office, with or without boxes that the map does not show.
+/// One trial: somewhere in the office, with or without things that the map does not show.
 pub fn trial(
     office: &Office,
     known: &Knowledge,
     params: &LandmarkRelaxationParams,
     laser: &Laser,
-    has_boxes: bool,
+    clutter: Clutter,
     seed: u64,
 ) -> Outcome {
     let mut rng = stream(seed, "relocalization");
     let pose = office.pose(&mut rng);
-    let around = if has_boxes { boxes(&pose, &mut rng) } else { Vec::new() };
+    let around = clutter.around(&pose, &mut rng);
     let normal: f64 = StandardNormal.sample(&mut rng);
     let sightings = laser.look_around(office, &pose, &around, 0.02 * normal, &mut rng);
     let mut locator = Locator::new(params.locator(), stream(seed, "noise"));
@@ -284,6 +313,7 @@ pub fn trial(
         off_m: f64::INFINITY,
         off_deg: f64::INFINITY,
         nees: f64::NAN,
+        score: f64::NAN,
         n_cells: locator.report().n_cells,
     };
     if let Verdict::Found(place) = verdict {
@@ -291,6 +321,7 @@ pub fn trial(
         let turn = wrap_angle(place.map_from_base.rotation.angle() - pose.rotation.angle());
         let off = nalgebra::Vector3::new(way.x, way.y, turn);
         outcome.is_found = true;
+        outcome.score = place.score;
         outcome.off_m = way.norm();
         outcome.off_deg = turn.abs().to_degrees();
         outcome.nees = place.covariance.try_inverse().map_or(f64::NAN, |inverse| off.dot(&(inverse * off)));

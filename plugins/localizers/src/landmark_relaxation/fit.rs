@@ -33,6 +33,8 @@ pub struct FitLimits {
 const LEAST_JUDGED: usize = 20;
 /// A beam is explained when it ends this near to its surface (across it), meters.
 const NEAR_M: f64 = 0.08;
+/// Where a larger share of the beams passes through what the map shows, the robot surely is not.
+const CONTRADICTED: f64 = 0.15;
 /// It passes through when it ends farther than this behind, meters.
 const BEHIND_M: f64 = 0.30;
 
@@ -45,7 +47,7 @@ impl Fit {
     }
 
     fn add(&mut self, comparison: &Comparison) {
-        let Comparison { beam, expected_m, direction: [x, y], normal, .. } = *comparison;
+        let Comparison { beam, expected_m, farthest_m, direction: [x, y], normal, .. } = *comparison;
         match beam {
             Beam::Silent => return,
             // That nothing is seen where nothing is expected says little: a device that sees nothing at all fits there.
@@ -57,14 +59,14 @@ impl Fit {
         }
         self.n_judged += 1;
         let Beam::Hit(range_m) = beam else {
-            self.n_through += 1;
+            self.n_through += usize::from(farthest_m.is_finite());
             return;
         };
         let off_m = range_m - expected_m;
         let across_m = normal.map_or(off_m, |[nx, ny]| off_m * (nx * x + ny * y));
         if across_m.abs() <= NEAR_M {
             self.n_explained += 1;
-        } else if off_m > BEHIND_M {
+        } else if range_m - farthest_m > BEHIND_M {
             self.n_through += 1;
         }
     }
@@ -74,12 +76,20 @@ impl Fit {
         self.n_explained as f64 / self.n_judged.max(1) as f64
     }
 
+    fn through(&self) -> f64 {
+        self.n_through as f64 / self.n_judged.max(1) as f64
+    }
+
     /// The place may be believed.
     pub fn is_within(&self, limits: &FitLimits) -> bool {
-        let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
         self.n_judged >= LEAST_JUDGED
-            && share(self.n_judged, self.n_beams) >= limits.judged
+            && self.n_judged as f64 >= limits.judged * self.n_beams as f64
             && self.explained() >= limits.explained
-            && share(self.n_through, self.n_judged) <= limits.through
+            && self.through() <= limits.through
+    }
+
+    /// The robot surely is not there.
+    pub fn is_contradicted(&self, limits: &FitLimits) -> bool {
+        self.n_judged < LEAST_JUDGED || self.through() > limits.through.max(CONTRADICTED)
     }
 }

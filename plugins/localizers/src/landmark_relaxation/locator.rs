@@ -40,6 +40,12 @@ pub struct Hypothesis {
     pub score: f64,
 }
 
+/// A place that may be, and whether the scans speak for it: one that is not believed may still be where the robot is.
+struct Judged {
+    place: Hypothesis,
+    is_believed: bool,
+}
+
 /// What scans say.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
@@ -136,31 +142,35 @@ impl Locator {
         poses: impl Iterator<Item = Pose2>,
     ) -> Verdict {
         let beams = TracedBeams::of(sightings, N_BEAMS);
-        let mut fitting: Vec<Hypothesis> =
-            poses.filter_map(|pose| self.judged(known, &beams, &pose)).collect();
-        fitting.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let mut apart: Vec<Hypothesis> = Vec::new();
-        for hypothesis in fitting {
-            let is_known =
-                apart.iter().any(|better| is_one(&better.map_from_base, &hypothesis.map_from_base));
-            let is_worse =
-                apart.first().is_some_and(|best| hypothesis.score < best.score - self.settings.limits.alike);
-            if !is_known && !is_worse {
-                apart.push(hypothesis);
+        let mut fitting: Vec<Judged> = poses.filter_map(|pose| self.judged(known, &beams, &pose)).collect();
+        fitting.sort_by(|a, b| b.place.score.total_cmp(&a.place.score));
+        let mut apart: Vec<Judged> = Vec::new();
+        for judged in fitting {
+            let is_same = |better: &Judged| is_one(&better.place.map_from_base, &judged.place.map_from_base);
+            let least = apart.first().map_or(0.0, |best| best.place.score - self.settings.limits.alike);
+            if judged.place.score >= least && !apart.iter().any(is_same) {
+                apart.push(judged);
             }
         }
-        verdict(apart)
+        if !apart.iter().any(|judged| judged.is_believed) {
+            return Verdict::Nothing;
+        }
+        verdict(apart.into_iter().map(|judged| judged.place).collect())
     }
 
-    fn judged(&self, known: &Knowledge, beams: &TracedBeams, pose: &Pose2) -> Option<Hypothesis> {
+    /// A pose refined and judged; none where the scans contradict it.
+    fn judged(&self, known: &Knowledge, beams: &TracedBeams, pose: &Pose2) -> Option<Judged> {
+        let limits = &self.settings.limits;
         let Refined { map_from_base, turns_rad, covariance } =
             refine(known, beams, pose, &self.settings.refinement);
         let fit = Fit::of(&beams.compare(known, &map_from_base, &turns_rad));
         let is_sane = is_finite2(&map_from_base) && covariance.iter().all(|part| part.is_finite());
         // A place that refinement leaves for another is not the place that was found.
         let stays = is_one(pose, &map_from_base);
-        let fits = is_sane && stays && fit.is_within(&self.settings.limits);
-        fits.then(|| Hypothesis { map_from_base, covariance, score: fit.explained() })
+        (is_sane && stays && !fit.is_contradicted(limits)).then(|| Judged {
+            place: Hypothesis { map_from_base, covariance, score: fit.explained() },
+            is_believed: fit.is_within(limits),
+        })
     }
 
     fn observe(&mut self, sightings: &[Sighting]) -> Vec<Landmark> {

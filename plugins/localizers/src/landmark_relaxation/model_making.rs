@@ -39,13 +39,15 @@ enum Stage {
     /// The file was not looked at yet.
     New,
     Building(ModelBuilder),
+    /// From the file, with the parts that building would still take.
+    Read(Knowledge, usize),
     Done(Knowledge),
     /// Asked to give up.
     GivenUp,
 }
 
-/// Cells that are traced at once: a second's work, so that no step of a simulation takes long.
-const PART: usize = 16_384;
+/// Cells that are traced at once: some seconds' work, so that no step of a simulation takes long.
+const PART: usize = 65_536;
 
 impl ModelMaking {
     /// Begins the model of a map. With a `file` it is read from there, if it is the same, and written there, if not.
@@ -73,17 +75,16 @@ impl ModelMaking {
         self.progress.clone()
     }
 
-    /// Goes on by one part.
+    /// Goes on by one part. A model from a file takes as many parts as one that is built: what a simulation gives must not
+    /// depend on what lies on the disk.
     pub fn go_on(&mut self, give_up: &GiveUp) {
-        let builder = match std::mem::replace(&mut self.stage, Stage::GivenUp) {
+        self.stage = match std::mem::replace(&mut self.stage, Stage::GivenUp) {
             Stage::New => return self.begin(),
-            Stage::Building(builder) => builder,
-            other => {
-                self.stage = other;
-                return;
-            }
+            Stage::Building(builder) => return self.build(builder, give_up),
+            Stage::Read(knowledge, n_left) if n_left > 1 => Stage::Read(knowledge, n_left - 1),
+            Stage::Read(knowledge, _) => Stage::Done(knowledge),
+            other => other,
         };
-        self.build(builder, give_up);
     }
 
     fn begin(&mut self) {
@@ -92,7 +93,8 @@ impl ModelMaking {
             Some(Ok(model)) => {
                 self.file_use.was_read = true;
                 let (grid, surroundings) = (self.grid.clone(), self.surroundings.clone());
-                Stage::Done(Knowledge { grid, surroundings, model })
+                let n_parts = model.n_places().div_ceil(PART);
+                Stage::Read(Knowledge { grid, surroundings, model }, n_parts)
             }
             missing => {
                 self.file_use.was_refused = missing.is_some_and(|read| read.is_err_and(|e| !is_absent(&e)));
@@ -122,7 +124,7 @@ impl ModelMaking {
         match self.stage {
             Stage::Done(knowledge) => Made::Done(Box::new(knowledge), self.file_use),
             Stage::GivenUp => Made::GivenUp,
-            Stage::New | Stage::Building(_) => Made::Unfinished(Box::new(self)),
+            Stage::New | Stage::Building(_) | Stage::Read(..) => Made::Unfinished(Box::new(self)),
         }
     }
 }

@@ -85,7 +85,8 @@ pub struct LandmarkRelaxationParams {
     pub relation_deg: f64,
     /// A place is not believed when it explains a smaller share of the beams.
     pub least_explained: f64,
-    /// Nor when a larger share of the beams passes through what the map shows.
+    /// Nor when a larger share of the beams passes through what the map shows; where it is above 0.15, the robot is surely
+    /// not there, else it may be.
     pub most_through: f64,
     /// Nor when the map says something of a smaller share of the beams.
     pub least_judged: f64,
@@ -120,8 +121,8 @@ impl Default for LandmarkRelaxationParams {
             similar_extent_m: 0.15,
             relation_m: 0.075,
             relation_deg: 6.0,
-            least_explained: 0.5,
-            most_through: 0.15,
+            least_explained: 0.6,
+            most_through: 0.02,
             least_judged: 0.5,
             alike: 0.05,
             range_deviation_m: 0.015,

@@ -30,6 +30,9 @@ pub struct Comparison {
     pub beam: Beam,
     /// What the map says: infinite where nothing is within reach, not-a-number where nobody knows, meters.
     pub expected_m: f64,
+    /// The farthest that the map says of it and the beams beside it: an edge may lie a little farther, and of a wall that is
+    /// grazed a single cell may hide all that lies behind.
+    pub farthest_m: f64,
     /// From the scanner.
     pub direction: [f64; 2],
     /// Where it ends.
@@ -98,6 +101,7 @@ impl TracedBeams {
                 comparisons.push(Comparison {
                     beam: *beam,
                     expected_m: *expected_m,
+                    farthest_m: farthest_beside(&ranges_m, idx),
                     direction: [along.x, along.y],
                     end: Point2::from(map_from_sensor.translation.vector + along * range_m),
                     base,
@@ -127,6 +131,16 @@ impl Part {
         };
         self.directions.iter().zip(ranges_m).map(end).collect()
     }
+}
+
+/// Beams so many beside may meet what one meets.
+const EDGE_BEAMS: usize = 3;
+
+/// The farthest of a range and its neighbors; infinite where nobody knows one of them.
+fn farthest_beside(ranges_m: &[f64], idx: usize) -> f64 {
+    let first = idx.saturating_sub(EDGE_BEAMS);
+    let beside = ranges_m.iter().take(idx + EDGE_BEAMS + 1).skip(first);
+    beside.fold(0.0, |most, range| if range.is_nan() { f64::INFINITY } else { most.max(*range) })
 }
 
 /// Normal of the surface between the neighbors of a place, if they lie on one.

@@ -1,7 +1,7 @@
 //! Trials by the protocol of S. Hernández Alamilla (2005), section 8.3, in small numbers; the example
 //! `relocalization_figures` makes many.
 
-use super::relocalization_work::{Laser, Office, Outcome, boxes, trial};
+use super::relocalization_work::{Clutter, Laser, Office, Outcome, boxes, trial};
 use rand::RngExt;
 use rumbo_core::map::Grid;
 use rumbo_core::rng::stream;
@@ -20,10 +20,10 @@ fn run(
     office: &Office,
     known: &Knowledge,
     params: &LandmarkRelaxationParams,
-    has_boxes: bool,
+    clutter: Clutter,
 ) -> Vec<Outcome> {
     let laser = Laser::lms200();
-    (0..N_TRIALS).map(|seed| trial(office, known, params, &laser, has_boxes, 1000 + seed)).collect()
+    (0..N_TRIALS).map(|seed| trial(office, known, params, &laser, clutter, 1000 + seed)).collect()
 }
 
 fn quantile(outcomes: &[Outcome], share: f64, of: fn(&Outcome) -> f64) -> f64 {
@@ -38,9 +38,9 @@ fn robots_anywhere_in_the_offices_are_found_to_the_centimeter_also_among_boxes()
         let office = Office::named(name);
         let known = office.knowledge(&params(false));
         assert!(known.model.n_bytes() <= most_bytes, "{name}: {} bytes", known.model.n_bytes());
-        for has_boxes in [false, true] {
-            let outcomes = run(&office, &known, &params(false), has_boxes);
-            assert!(outcomes.iter().all(Outcome::is_success), "{name}, boxes {has_boxes}: {outcomes:?}");
+        for clutter in [Clutter::None, Clutter::Boxes] {
+            let outcomes = run(&office, &known, &params(false), clutter);
+            assert!(outcomes.iter().all(Outcome::is_success), "{name}, {clutter:?}: {outcomes:?}");
             assert!(quantile(&outcomes, 0.5, |outcome| outcome.off_m) <= 0.01);
             assert!(quantile(&outcomes, 0.5, |outcome| outcome.off_deg) <= 0.5);
             assert!(quantile(&outcomes, 0.95, |outcome| outcome.off_deg) <= 2.0);
@@ -52,7 +52,7 @@ fn robots_anywhere_in_the_offices_are_found_to_the_centimeter_also_among_boxes()
 fn thesis_mode_finds_the_cell() {
     let office = Office::named("5x5");
     let known = office.knowledge(&params(true));
-    let outcomes = run(&office, &known, &params(true), false);
+    let outcomes = run(&office, &known, &params(true), Clutter::None);
     assert!(outcomes.iter().all(Outcome::is_success), "{outcomes:?}");
     // It does not get beyond the cell.
     let median_m = quantile(&outcomes, 0.5, |outcome| outcome.off_m);
@@ -83,7 +83,7 @@ fn a_map_whose_walls_are_off_is_good_enough_and_the_covariance_says_how_good() {
     }
     let office = office.with_map(grid);
     let known = office.knowledge(&params(false));
-    let outcomes = run(&office, &known, &params(false), false);
+    let outcomes = run(&office, &known, &params(false), Clutter::None);
     assert!(!outcomes.iter().any(Outcome::is_wrong), "{outcomes:?}");
     let found: Vec<Outcome> = outcomes.into_iter().filter(Outcome::is_success).collect();
     assert!(found.len() >= 28, "{} found", found.len());
@@ -91,6 +91,25 @@ fn a_map_whose_walls_are_off_is_good_enough_and_the_covariance_says_how_good() {
     let mean_nees = found.iter().map(|outcome| outcome.nees).sum::<f64>() / found.len() as f64;
     // Three numbers have a mean of three where the covariance is right.
     assert!((0.3..6.0).contains(&mean_nees), "{mean_nees}");
+}
+
+#[test]
+fn in_a_building_that_is_not_on_the_map_no_place_is_believed() {
+    let (office, other) = (Office::named("5x5"), Office::named("10x10"));
+    let known = other.knowledge(&params(false));
+    let outcomes = run(&office, &known, &params(false), Clutter::None);
+    assert!(!outcomes.iter().any(|outcome| outcome.is_found), "{outcomes:?}");
+}
+
+#[test]
+fn with_half_of_the_view_hidden_another_place_is_rarely_believed() {
+    let office = Office::named("5x5");
+    let known = office.knowledge(&params(false));
+    let outcomes = run(&office, &known, &params(false), Clutter::HalfHidden);
+    // Where only one wall is left to be seen, the place along it is not known to 0.10 m.
+    let n_far = outcomes.iter().filter(|outcome| outcome.is_found && outcome.off_m > 0.5).count();
+    let n_found = outcomes.iter().filter(|outcome| outcome.is_success()).count();
+    assert!(n_far <= 1 && n_found >= 5, "{n_far} far, {n_found} found: {outcomes:?}");
 }
 
 #[test]

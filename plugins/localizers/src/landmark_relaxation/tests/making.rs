@@ -69,6 +69,27 @@ fn a_model_is_built_once_and_a_file_that_is_not_its_own_is_replaced() {
 }
 
 #[test]
+fn a_model_from_a_file_is_there_as_soon_as_one_that_is_built() {
+    let folder = folder("rounds");
+    let file = folder.join("hall.landmark_model");
+    // Large enough for two parts, and quickly traced: most of it is not free.
+    let mut grid = Grid::unknown(300, 300, CELL_M).unwrap();
+    for row in 10..60 {
+        grid.cells.make_mut()[row * 300 + 20..row * 300 + 90].fill(-Grid::CERTAIN);
+        grid.cells.make_mut()[row * 300 + 90] = Grid::CERTAIN;
+    }
+    let updates = |file: Option<&Path>| {
+        let mut seat = seat(file, Background::inline(Span::ZERO));
+        (make(&mut seat, &grid), seat.file_use().was_read)
+    };
+    let (n, _) = updates(None);
+    assert_eq!(updates(Some(&file)), (n, false));
+    assert_eq!(updates(Some(&file)), (n, true));
+    assert!(n >= 4, "{n}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
 fn a_place_that_cannot_be_written_is_said_and_nothing_else_happens() {
     let folder = folder("unwritable");
     let unwritable = FileUse { is_unwritable: true, ..BUILT };
