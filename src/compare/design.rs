@@ -86,10 +86,7 @@ impl Design {
     /// Reads the pipeline as this run has it.
     pub fn load(&self, run: &Run, registry: &Registry) -> Result<Ready, Unready> {
         let mut sets = self.sets_but_chance(run);
-        let place = self.places.get(run.place);
-        let of_scene = place.into_iter().flat_map(|place| &place.by_study.ranges);
-        sets.extend(self.ranges.iter().chain(of_scene).map(|range| range.set(run.seed)));
-        sets.extend(self.mission_sets(run).map_err(Unready::NotDrawn)?);
+        sets.extend(self.drawn(run).map_err(Unready::NotDrawn)?);
         sets.push(format!("seed={}", run.seed));
         load::load(&self.base, &sets, registry).map_err(|refused| Unready::Refused(Box::new(refused)))
     }
@@ -119,6 +116,15 @@ impl Design {
             }
         }
         format!("{:016x}", print.value())
+    }
+
+    /// What is drawn for a run, as arguments of `--set`.
+    pub fn drawn(&self, run: &Run) -> Result<Vec<String>, String> {
+        let place = self.places.get(run.place);
+        let of_scene = place.into_iter().flat_map(|place| &place.by_study.ranges);
+        let ranges = self.ranges.iter().chain(of_scene).map(|range| range.set(run.seed));
+        let mission = self.mission_sets(run)?;
+        Ok(ranges.chain(mission).collect())
     }
 
     /// What counts as success of a run, where a study says so.

@@ -173,6 +173,7 @@ mod tests {
             goal: None,
             straight_m: None,
             outcome: None,
+            drawn: Vec::new(),
             as_expected: None,
         }
     }

@@ -28,6 +28,9 @@ pub struct RunResult {
     pub straight_m: Option<f64>,
     /// The figures of a run that drove.
     pub outcome: Option<Outcome>,
+    /// What was drawn for it, as arguments of `--set`: with them and its seed, `rumbo run` does it again.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drawn: Vec<String>,
     /// Whether it met what the study expects; absent where there is no such expectation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub as_expected: Option<bool>,
@@ -54,6 +57,7 @@ impl RunResult {
             goal: None,
             straight_m: None,
             outcome: None,
+            drawn: Vec::new(),
             as_expected: None,
         }
     }
@@ -66,7 +70,8 @@ pub fn work(design: &Design, run: &Run, registry: &Registry, interrupt: &AtomicB
         Err(Unready::Refused(refused)) => RunResult::without_drive("refused", first_message(&refused)),
         Err(Unready::NotDrawn(message)) => RunResult::without_drive("not_drawn", message),
     };
-    let result = caught(drive);
+    let mut result = caught(drive);
+    result.drawn = design.drawn(run).unwrap_or_default();
     (!result.is_interrupted()).then_some(result)
 }
 
@@ -102,6 +107,7 @@ fn driven(ready: &Ready, expect: Option<&Expect>, interrupt: &AtomicBool) -> Run
         start,
         goal: ready.pipeline.mission.waypoints.last().map(|waypoint| [waypoint.x_m, waypoint.y_m]),
         straight_m: (start.is_some() && straight_m > 0.0).then_some(straight_m),
+        drawn: Vec::new(),
         as_expected: expect.map(|expect| failures(expect, &outcome).is_empty()),
         outcome: Some(outcome),
     }

@@ -198,6 +198,7 @@ mod tests {
             goal: None,
             straight_m: Some(2.0),
             outcome: Some(outcome),
+            drawn: Vec::new(),
             as_expected: None,
         }
     }
