@@ -74,6 +74,31 @@ fn a_place_is_found_also_with_the_odometer_off_by_20_cm_and_5_degrees() {
 }
 
 #[test]
+fn a_robot_that_is_surer_of_its_start_than_it_should_be_comes_back() {
+    for name in ["5x5", "10x10", "20x20"] {
+        let office = Office::like(name, 5);
+        let n_back = (0..20).filter(|k| {
+            let mut rng = stream(*k, "overconfident");
+            let route = office.route(4.0, &mut rng);
+            let side: f64 = rng.random_range(-PI..PI);
+            let off = 0.15 * Vector2::new(side.cos(), side.sin());
+            let told = Pose2::new(route[0].translation.vector + off, route[0].rotation.angle() + 0.03);
+            let mut tracker = tracker_at(&told);
+            let mut odom_from_base = told;
+            for (n, ends) in route.windows(2).enumerate() {
+                odom_from_base *= ends[0].inverse() * ends[1];
+                let at = (0.5 * n as f64, CLAIMED);
+                look(&mut tracker, &office, (&ends[1], &odom_from_base), at, 0.015, &mut rng);
+            }
+            let off = error(&tracker.carried_to(&odom_from_base, CLAIMED).0, &route[route.len() - 1]);
+            off[0].hypot(off[1]) < 0.03 && off[2].abs() < 0.5
+        });
+        let n_back = n_back.count();
+        assert!(n_back >= 18, "{name}: {n_back} of 20");
+    }
+}
+
+#[test]
 fn in_a_long_corridor_only_the_way_along_it_becomes_unsure() {
     for seed in 0..5 {
         let (office, middle_m) = Office::corridor(40.0, seed);
