@@ -71,6 +71,12 @@ impl OnMap {
         self.joint.widen(reach_m, turn_rad);
     }
 
+    /// There is no map now: the odometry stands.
+    pub fn look_without_map(&mut self, way: &Pose2, noise: [f64; 3]) -> Found {
+        self.joint.carry(way, noise);
+        Found::by_odometry(self.joint.map_from_base(), self.joint.pose_covariance(), 0)
+    }
+
     /// The landmarks of `seen`, a scan, say where the robot is, of which the odometer says that it moved by `way`.
     pub fn look(
         &mut self,

@@ -179,3 +179,25 @@ fn where_the_map_knows_nothing_tracking_degrades_and_in_the_end_the_robot_is_los
     let (_, covariance) = tracker.carried_to(&odom_from_base, CLAIMED);
     assert!(covariance[(0, 0)].sqrt() > 0.3, "{covariance}");
 }
+
+#[test]
+fn without_a_map_and_through_a_jump_of_the_odometer_the_pose_is_carried_on() {
+    let start = pose2(2.0, 1.5, 0.3);
+    let mut tracker = tracker_at(&start);
+    let ranges = vec![f32::INFINITY; 361];
+    let seen =
+        SeenScan { stamp: Time::ZERO, fan: fan(361), ranges_m: &ranges, base_from_sensor: Pose2::identity() };
+    let gone = start * pose2(0.3, 0.0, 0.1);
+    tracker.look(&seen, &gone, CLAIMED, None);
+    let (found, before) = tracker.carried_to(&gone, CLAIMED);
+    assert!(error(&found, &gone).iter().all(|off| off.abs() < 1e-9));
+    // The odometer begins anew at zero; the robot may have come 0.1 m and 0.2 radians meanwhile.
+    tracker.rebase(&gone, &Pose2::identity(), CLAIMED, [0.1, 0.2]);
+    let (found, after) = tracker.carried_to(&Pose2::identity(), CLAIMED);
+    assert!(error(&found, &gone).iter().all(|off| off.abs() < 1e-9));
+    let widened = before + Matrix3::from_diagonal(&Vector3::new(0.01, 0.01, 0.04));
+    assert!((after - widened).norm() < 1e-12, "{after} {widened}");
+    let further = pose2(0.2, 0.0, 0.0);
+    let (found, _) = tracker.carried_to(&further, CLAIMED);
+    assert!(error(&found, &(gone * further)).iter().all(|off| off.abs() < 1e-9));
+}
