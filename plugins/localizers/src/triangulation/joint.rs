@@ -33,6 +33,8 @@ pub struct Posterior {
     covariance: DMatrix<f64>,
     /// Sightings that may be what they seem.
     pub n_possible: usize,
+    /// Sightings that are explained.
+    pub n_fit: usize,
 }
 
 impl Posterior {
@@ -46,6 +48,8 @@ impl Posterior {
 const N_STEPS: usize = 5;
 /// Beyond this many standard deviations from what the pose so far lets expect, a landmark is something else.
 const GATE: f64 = 4.0;
+/// Within this many standard deviations a landmark is explained.
+const FIT: f64 = 3.0;
 /// Beyond this many standard deviations a landmark counts ever less.
 const SURE: f64 = 2.0;
 
@@ -227,7 +231,10 @@ impl Joint {
                 break;
             }
         }
-        Some(Posterior { state, covariance: solved?, n_possible: possible.len() })
+        let off = |sighting: &Sighting| residual_at(sighting, &state, base_from_sensor).off;
+        let fits = |sighting: &&Sighting| deviations(&off(sighting), &sighting.covariance) <= FIT;
+        let n_fit = sightings.iter().filter(fits).count();
+        Some(Posterior { covariance: solved?, n_possible: possible.len(), n_fit, state })
     }
 
     /// It lies within what the pose so far and the errors let expect.

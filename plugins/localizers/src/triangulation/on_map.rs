@@ -27,7 +27,7 @@ pub struct OnMap {
     known: Vec<Landmark>,
     joint: Joint,
     n_scans: u64,
-    /// Scans in a row in which most related landmarks lay beyond what the pose allows.
+    /// Scans in a row that refused the pose.
     n_refused: u32,
 }
 
@@ -35,9 +35,12 @@ pub struct OnMap {
 const ANEW: (f64, f64) = (0.03, 0.035);
 /// At most so often.
 const N_LOOKS: usize = 4;
-/// A pose refused by more than three quarters of at least four landmarks in so many scans in a row is less sure than it
-/// thinks.
+/// A pose is less sure than it thinks if in so many scans in a row another explains so many landmarks more. Noise on
+/// landmarks and people do not do that: no pose explains them.
 const REFUSED_SCANS: u32 = 3;
+const MORE_FIT: usize = 2;
+/// By that much, meters and radians.
+const DOUBT: (f64, f64) = (0.15, 0.05);
 
 impl OnMap {
     /// Begins at a pose.
@@ -66,6 +69,12 @@ impl OnMap {
     /// The robot may have moved; see [`Joint::widen`].
     pub fn widen(&mut self, [reach_m, turn_rad]: [f64; 2]) {
         self.joint.widen(reach_m, turn_rad);
+    }
+
+    /// There is no map now: the odometry stands.
+    pub fn look_without_map(&mut self, way: &Pose2, noise: [f64; 3]) -> Found {
+        self.joint.carry(way, noise);
+        Found::by_odometry(self.joint.map_from_base(), self.joint.pose_covariance(), 0)
     }
 
     /// The landmarks of `seen`, a scan, say where the robot is, of which the odometer says that it moved by `way`.
@@ -151,21 +160,23 @@ impl OnMap {
             };
             let moved = posterior.pose() - pose;
             pose = posterior.pose();
+            let is_settled = moved.xy().norm() <= ANEW.0 && wrap_angle(moved.z).abs() <= ANEW.1;
+            if is_settled {
+                self.watch_refusals(&sightings, &posterior, &scan.base_from_sensor);
+            }
             accepted = Some(posterior);
-            if moved.xy().norm() <= ANEW.0 && wrap_angle(moved.z).abs() <= ANEW.1 {
+            if is_settled {
                 break;
             }
         }
         let n_possible = accepted.as_ref().map_or(0, |posterior| posterior.n_possible);
-        let is_refused = found.n_related >= 4 && 4 * n_possible < found.n_related;
-        self.n_refused = if is_refused { self.n_refused + 1 } else { 0 };
         found.n_estimates = n_possible;
         if let Some(posterior) = accepted.filter(|_| n_possible >= LEAST_RELATED) {
             self.joint.accept(posterior);
         }
         if self.n_refused >= REFUSED_SCANS {
             self.n_refused = 0;
-            self.doubt();
+            self.joint.widen(DOUBT.0, DOUBT.1);
         }
         found.map_from_base = self.joint.map_from_base();
         found.covariance = self.joint.pose_covariance();
@@ -173,10 +184,17 @@ impl OnMap {
         found
     }
 
-    /// The pose may be off by as much as landmarks are looked for.
-    fn doubt(&mut self) {
-        let within = &self.settings.within;
-        self.joint.widen(within.search_m / 2.0, within.angle_rad / 2.0);
+    /// Counts scans in a row that a pose farther off than it may be would explain much better, and most of.
+    fn watch_refusals(&mut self, sightings: &[Sighting], posterior: &Posterior, base_from_sensor: &Pose2) {
+        let n = sightings.len();
+        let is_refused = n >= posterior.n_fit + MORE_FIT && {
+            let mut doubting = self.joint.clone();
+            doubting.widen(DOUBT.0, DOUBT.1);
+            let freely = doubting.posterior(sightings, &posterior.pose(), base_from_sensor);
+            let n_fit = freely.map_or(0, |freely| freely.n_fit);
+            n_fit >= posterior.n_fit + MORE_FIT && 3 * n_fit >= 2 * n
+        };
+        self.n_refused = if is_refused { self.n_refused + 1 } else { 0 };
     }
 
     fn sightings(

@@ -42,6 +42,11 @@ impl Default for LandmarkNoiseParams {
 
 /// Follows a robot from a known start by natural landmarks of a planar laser: discontinuities, corners and walls are
 /// related to those that a grid map lets expect.
+///
+/// Scans with fewer than two related landmarks are starved: the odometry alone carries the pose. After three of them in a
+/// row the status is `converging` instead of `tracking`. It is `lost` after ten starved scans in a row if the position is
+/// less sure than `search_m`, after 20 scans in a row that are unlike the map (`least_explained`), and where nobody said
+/// where the robot starts: it cannot search, so that such a pipeline needs a `[relocalizer]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TriangulationParams {

@@ -1,9 +1,10 @@
+mod as_a_localizer;
 mod cases;
 mod drive;
 mod joint;
 mod place;
 mod tracking;
-mod whole_plugin;
+
 mod worked_examples;
 
 use super::correspondence::{Relation, Tolerances, keep_consistent, predicted, relate};

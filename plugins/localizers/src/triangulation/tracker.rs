@@ -164,19 +164,14 @@ impl Tracker {
         if let Some(on_landmarks) = &self.settings.noise {
             on_landmarks.disturb(&mut seen, &mut self.rng);
         }
+        let way = self.anchor.odom_from_base.inverse() * odom_from_base;
         let found = match (&self.settings.pairs, map) {
             (Some(rules), _) if !self.settings.by_map => {
                 let odometry = (&self.anchor, odom_from_base, noise);
                 look_back(scan, (&self.known, &seen), odometry, (&self.settings, rules))
             }
-            (_, Some(map)) => {
-                let way = self.anchor.odom_from_base.inverse() * odom_from_base;
-                self.on_map.look(scan, &seen, (&way, noise), map)
-            }
-            _ => {
-                let (map_from_base, covariance) = self.carried_to(odom_from_base, noise);
-                Found::by_odometry(map_from_base, covariance, 0)
-            }
+            (_, Some(map)) => self.on_map.look(scan, &seen, (&way, noise), map),
+            (_, None) => self.on_map.look_without_map(&way, noise),
         };
         let Found { map_from_base, covariance, n_related, n_estimates, explained } = found;
         self.anchor = Anchor { map_from_base, covariance, odom_from_base: *odom_from_base };

@@ -74,6 +74,31 @@ fn a_place_is_found_also_with_the_odometer_off_by_20_cm_and_5_degrees() {
 }
 
 #[test]
+fn a_robot_that_is_surer_of_its_start_than_it_should_be_comes_back() {
+    for name in ["5x5", "10x10", "20x20"] {
+        let office = Office::like(name, 5);
+        let n_back = (0..20).filter(|k| {
+            let mut rng = stream(*k, "overconfident");
+            let route = office.route(4.0, &mut rng);
+            let side: f64 = rng.random_range(-PI..PI);
+            let off = 0.15 * Vector2::new(side.cos(), side.sin());
+            let told = Pose2::new(route[0].translation.vector + off, route[0].rotation.angle() + 0.03);
+            let mut tracker = tracker_at(&told);
+            let mut odom_from_base = told;
+            for (n, ends) in route.windows(2).enumerate() {
+                odom_from_base *= ends[0].inverse() * ends[1];
+                let at = (0.5 * n as f64, CLAIMED);
+                look(&mut tracker, &office, (&ends[1], &odom_from_base), at, 0.015, &mut rng);
+            }
+            let off = error(&tracker.carried_to(&odom_from_base, CLAIMED).0, &route[route.len() - 1]);
+            off[0].hypot(off[1]) < 0.03 && off[2].abs() < 0.5
+        });
+        let n_back = n_back.count();
+        assert!(n_back >= 18, "{name}: {n_back} of 20");
+    }
+}
+
+#[test]
 fn in_a_long_corridor_only_the_way_along_it_becomes_unsure() {
     for seed in 0..5 {
         let (office, middle_m) = Office::corridor(40.0, seed);
@@ -153,4 +178,26 @@ fn where_the_map_knows_nothing_tracking_degrades_and_in_the_end_the_robot_is_los
     assert!(lost > 10 && report.n_starved == 200, "{lost} {report:?}");
     let (_, covariance) = tracker.carried_to(&odom_from_base, CLAIMED);
     assert!(covariance[(0, 0)].sqrt() > 0.3, "{covariance}");
+}
+
+#[test]
+fn without_a_map_and_through_a_jump_of_the_odometer_the_pose_is_carried_on() {
+    let start = pose2(2.0, 1.5, 0.3);
+    let mut tracker = tracker_at(&start);
+    let ranges = vec![f32::INFINITY; 361];
+    let seen =
+        SeenScan { stamp: Time::ZERO, fan: fan(361), ranges_m: &ranges, base_from_sensor: Pose2::identity() };
+    let gone = start * pose2(0.3, 0.0, 0.1);
+    tracker.look(&seen, &gone, CLAIMED, None);
+    let (found, before) = tracker.carried_to(&gone, CLAIMED);
+    assert!(error(&found, &gone).iter().all(|off| off.abs() < 1e-9));
+    // The odometer begins anew at zero; the robot may have come 0.1 m and 0.2 radians meanwhile.
+    tracker.rebase(&gone, &Pose2::identity(), CLAIMED, [0.1, 0.2]);
+    let (found, after) = tracker.carried_to(&Pose2::identity(), CLAIMED);
+    assert!(error(&found, &gone).iter().all(|off| off.abs() < 1e-9));
+    let widened = before + Matrix3::from_diagonal(&Vector3::new(0.01, 0.01, 0.04));
+    assert!((after - widened).norm() < 1e-12, "{after} {widened}");
+    let further = pose2(0.2, 0.0, 0.0);
+    let (found, _) = tracker.carried_to(&further, CLAIMED);
+    assert!(error(&found, &(gone * further)).iter().all(|off| off.abs() < 1e-9));
 }

@@ -83,46 +83,48 @@ fn keeps_the_bar(what: &str, params: &TriangulationParams, hardship: &Hardship, 
 
 #[test]
 fn the_bars_are_kept_with_an_odometer_that_errs_and_somebody_walking_ahead() {
-    keeps_the_bar("default", &TriangulationParams::default(), &Hardship::default(), 20);
+    keeps_the_bar("default", &TriangulationParams::default(), &Hardship::default(), 15);
 }
 
 #[test]
 fn the_bars_are_kept_with_a_perfect_odometer() {
     let hardship = Hardship { odometer_errs: false, ..Hardship::default() };
-    keeps_the_bar("perfect odometry", &TriangulationParams::default(), &hardship, 10);
+    keeps_the_bar("perfect odometry", &TriangulationParams::default(), &hardship, 6);
 }
 
 #[test]
 fn the_bars_are_kept_with_an_odometer_that_boasts() {
     let hardship = Hardship { odometer_boasts: true, ..Hardship::default() };
-    keeps_the_bar("boasting odometer", &TriangulationParams::default(), &hardship, 10);
+    keeps_the_bar("boasting odometer", &TriangulationParams::default(), &hardship, 6);
 }
 
 #[test]
 fn the_bars_are_kept_with_tilted_scans() {
     let hardship = Hardship { tilted: 0.05, ..Hardship::default() };
-    keeps_the_bar("tilted scans", &TriangulationParams::default(), &hardship, 10);
+    keeps_the_bar("tilted scans", &TriangulationParams::default(), &hardship, 6);
 }
 
 #[test]
 fn the_bars_are_kept_with_noise_on_every_fifth_landmark() {
-    keeps_the_bar("20 % noise", &with_noise(0.2), &Hardship::default(), 10);
+    keeps_the_bar("20 % noise", &with_noise(0.2), &Hardship::default(), 8);
 }
 
 #[test]
 fn the_bars_are_kept_with_noise_on_most_landmarks() {
-    keeps_the_bar("40 % noise", &with_noise(0.4), &Hardship::default(), 6);
-    keeps_the_bar("60 % noise", &with_noise(0.6), &Hardship::default(), 6);
+    keeps_the_bar("40 % noise", &with_noise(0.4), &Hardship::default(), 4);
+    keeps_the_bar("60 % noise", &with_noise(0.6), &Hardship::default(), 4);
 }
 
 #[test]
 fn the_covariance_means_what_it_says() {
-    for ((map, ..), usual) in DRIVES.into_iter().zip([60, 40, 20]) {
+    for ((map, ..), usual) in DRIVES.into_iter().zip([40, 30, 12]) {
         let outcomes = drives(map, &TriangulationParams::default(), &Hardship::default(), usual);
         // Three degrees of freedom: 3 on average, and one in a hundred above 11.3.
         let (mean, beyond) = nees(&outcomes);
         assert!((1.5..4.0).contains(&mean) && beyond < 0.04, "{map}: {mean} {beyond}");
     }
+    let (mean, _) = nees(&drives("10x10", &with_noise(0.2), &Hardship::default(), 20));
+    assert!((1.5..4.5).contains(&mean), "with noise on landmarks: {mean}");
 }
 
 #[test]
