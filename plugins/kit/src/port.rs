@@ -169,6 +169,14 @@ mod tests {
         assert!(matches!(fault("tcp://127.0.0.1"), PortFault::UnknownHost(_)));
     }
 
+    /// Whoever runs the tests may be allowed everything.
+    #[test]
+    fn a_port_of_others_names_the_group() {
+        let kind = serialport::ErrorKind::Io(ErrorKind::PermissionDenied);
+        let fault = PortFault::of_serial(&serialport::Error::new(kind, "denied"));
+        assert!(fault.to_string().contains("usermod -aG dialout"), "{fault}");
+    }
+
     #[cfg(unix)]
     #[test]
     fn a_file_that_is_no_port_and_a_port_in_use_are_told_apart() {

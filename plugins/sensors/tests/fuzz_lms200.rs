@@ -102,6 +102,17 @@ proptest! {
         let _ = StatusReport::of_bytes(&payload);
     }
 
+}
+
+/// Each of these inputs is a whole conversation.
+fn conversations() -> ProptestConfig {
+    let usual = ProptestConfig::default();
+    ProptestConfig { failure_persistence: None, cases: usual.cases.min(100_000), ..usual }
+}
+
+proptest! {
+    #![proptest_config(conversations())]
+
     /// What the driver is told may be wrong, what it says never is.
     #[test]
     fn the_driver_says_nothing_but_commands(pieces in vec((stream(DEVICE_TO_HOST), 0u32..400), 0..12)) {

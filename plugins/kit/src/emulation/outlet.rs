@@ -11,6 +11,10 @@ use crate::port::is_patience;
 
 /// A read waits at most so long: the device goes on in the meantime.
 const PATIENCE: Duration = Duration::from_millis(2);
+/// A pseudo-terminal says that there is room, but not how much, and a write of more than that would wait for ever: so
+/// few bytes fit into any room that it has.
+#[cfg(unix)]
+const BYTES_AT_ONCE: usize = 64;
 /// While nobody is there, look again after this.
 const LOOK: Duration = Duration::from_millis(5);
 
@@ -106,7 +110,7 @@ impl Outlet {
         while !bytes.is_empty() {
             let sent = match self {
                 #[cfg(unix)]
-                Self::Terminal { ours, .. } => ours.write(bytes),
+                Self::Terminal { ours, .. } => ours.write(bytes.get(..BYTES_AT_ONCE).unwrap_or(bytes)),
                 Self::Tcp { host: Some(host), .. } => host.write(bytes),
                 Self::Tcp { host: None, .. } => return,
             };

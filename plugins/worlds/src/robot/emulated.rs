@@ -5,6 +5,7 @@ mod scene;
 
 use std::sync::Arc;
 
+use rumbo_core::rng::{self, RngExt as _};
 use rumbo_core::robot::Robot;
 use rumbo_core::stages::{BuildContext, OwnDevice, Truth, World, WorldError};
 use rumbo_kit::emulation::{Clock, EmulatedDevice, LineFaults, Mounted, Outlet, Served, model, models};
@@ -66,7 +67,8 @@ impl EmulatedRobot {
             base_from_sensor: *device.base_from_sensor,
             surroundings: Box::new(view),
             now: (self.clock)(),
-            seed: self.seed,
+            // Two devices of one model err each in its own way.
+            seed: rng::stream(self.seed, device.name).random(),
         };
         let served = self.serve(device.name, (model.switch_on)(mounted), outlet);
         served.map_err(|error| WorldError::Other(format!("{}: {error}", device.name)))

@@ -105,3 +105,32 @@ fn reopened(mut port: Port, address: &str) -> Port {
     }
     port
 }
+
+/// A host may sleep. What it does not read is lost, and the device lives on.
+#[test]
+fn a_host_that_does_not_read_holds_nobody_up() {
+    struct Chatty(Arc<AtomicU64>);
+    impl EmulatedDevice for Chatty {
+        fn receive(&mut self, _: Time, _: Option<u32>, _: &[u8]) {}
+        fn transmit(&mut self, _: Time, _: Option<u32>, out: &mut Vec<u8>) {
+            out.extend([b'x'; 100_000]);
+            self.0.fetch_add(100_000, Ordering::Relaxed);
+        }
+    }
+    for outlet in outlets() {
+        let n_sent = Arc::<AtomicU64>::default();
+        let faults = LineFaults::new(LineFaultParams::default(), 1, "line");
+        let device = Box::new(Chatty(Arc::clone(&n_sent)));
+        let served = Served::start(outlet, device, faults, clock(&Arc::default())).unwrap();
+        let mut port = Port::open(served.address(), 38_400).unwrap();
+        assert!(read(&mut port, 1).iter().all(|byte| *byte == b'x'));
+        let began = Instant::now();
+        // More than any buffer on the way holds.
+        while n_sent.load(Ordering::Relaxed) < 20_000_000 {
+            assert!(began.elapsed() < Duration::from_secs(120), "{}", served.address());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        drop(served);
+        drop(port);
+    }
+}

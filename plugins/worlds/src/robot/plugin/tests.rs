@@ -52,6 +52,8 @@ fn the_emulated_base_drives_and_tells_its_wheels_sonars_and_bumpers() {
         Answer::Wheels(wheels) if wheels.rolled_m[0] > 0.05 => Some(wheels.rolled_m[0]),
         _ => None,
     });
+    // The truth is that of the step, and the reading may be newer.
+    run(world.as_mut(), Twist::ZERO).unwrap();
     assert!(world.truth().unwrap().map_from_base.translation.x >= rolled_m - 1e-3);
     let mount = rumbo_core::frames::Pose3::identity();
     let bearings_rad: Vec<f64> = (0..16).map(|k| std::f64::consts::TAU / 16.0 * f64::from(k)).collect();
