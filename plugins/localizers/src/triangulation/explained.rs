@@ -6,8 +6,9 @@ const NEAR: (f64, f64) = (0.15, 0.03);
 /// Fewer beams say nothing.
 const LEAST_BEAMS: usize = 20;
 
-/// Share of the beams with a reading that meet what the map lets expect, or meet something where the map has a wall. None
-/// if the map says nothing on most: `expected` is not-a-number where nobody knows and infinite where nothing is met.
+/// Of the beams that get as far as what the map lets expect, the share that meet it; the others went through a wall. Beams
+/// that end before it met somebody or a shut door, which speaks for no other place. None where too few beams say anything:
+/// `expected` is not-a-number where nobody knows and infinite where nothing is met.
 pub fn explained_share(
     expected_m: &[f64],
     seen_m: &[f32],
@@ -17,13 +18,12 @@ pub fn explained_share(
     let (mut n, mut n_explained) = (0_usize, 0_usize);
     for (expected, seen) in expected_m.iter().zip(seen_m) {
         let seen = f64::from(*seen);
-        let is_reading = seen >= min_range_m && seen < max_range_m;
-        if expected.is_nan() || seen.is_nan() || !(is_reading || expected.is_finite()) {
+        let near_m = NEAR.0 + NEAR.1 * expected;
+        if !expected.is_finite() || seen.is_nan() || seen < min_range_m || seen < expected - near_m {
             continue;
         }
         n += 1;
-        let is_near = expected.is_finite() && (seen - expected).abs() <= NEAR.0 + NEAR.1 * expected;
-        n_explained += usize::from(is_reading && is_near);
+        n_explained += usize::from(seen < max_range_m && seen <= expected + near_m);
     }
     (n >= LEAST_BEAMS).then(|| n_explained as f64 / n as f64)
 }
@@ -33,18 +33,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_share_is_that_of_beams_that_meet_what_is_expected() {
+    fn the_share_is_that_of_beams_that_meet_what_they_get_as_far_as() {
         let expected = vec![2.0; 40];
         let mut seen = vec![2.1_f32; 40];
         let share = |expected: &[f64], seen: &[f32]| explained_share(expected, seen, 0.05, 8.0);
         assert_eq!(share(&expected, &seen), Some(1.0));
         seen[..10].fill(1.0);
         seen[10..20].fill(f32::INFINITY);
-        assert_eq!(share(&expected, &seen), Some(0.5), "somebody before a wall, and a wall that is gone");
+        assert_eq!(
+            share(&expected, &seen),
+            Some(2.0 / 3.0),
+            "somebody before a wall, and a wall that is gone"
+        );
         seen[20..30].fill(f32::NAN);
-        assert_eq!(share(&expected, &seen), Some(1.0 / 3.0), "beams without an answer say nothing");
+        assert_eq!(share(&expected, &seen), Some(0.5), "beams without an answer say nothing");
+        seen[10..].fill(1.0);
+        assert_eq!(share(&expected, &seen), None, "a shut door hides all of it");
         assert_eq!(share(&[f64::NAN; 40], &seen), None, "nor does an unknown map");
         assert_eq!(share(&[f64::INFINITY; 40], &[f32::INFINITY; 40]), None, "nor an empty place");
-        assert_eq!(share(&[f64::INFINITY; 40], &[3.0; 40]), Some(0.0));
+        assert_eq!(share(&[f64::INFINITY; 40], &[3.0; 40]), None);
     }
 }

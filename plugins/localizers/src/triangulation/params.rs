@@ -87,8 +87,8 @@ pub struct TriangulationParams {
     /// Two readings of the odometer farther apart than this, beyond what the robot can drive in between, are a jump,
     /// meters: the pose stays, and is less sure.
     pub jump_m: f64,
-    /// A scan that agrees with the map on a smaller share of its beams is unlike it; after 20 such scans in a row the robot
-    /// counts as lost.
+    /// A scan is unlike the map when a smaller share of the beams that get as far as what the map shows meet it, and the
+    /// others go through it; after 20 such scans in a row the robot counts as lost. Beams that end before say nothing.
     pub least_explained: f64,
     /// Noise on the landmarks that are seen, as in the experiments of the source, such as
     /// `{ share = 0.2, distance_m = 0.02, bearing_deg = 5.0 }`; without it they are left as they are. For experiments
@@ -116,7 +116,7 @@ impl Default for TriangulationParams {
             map_deviation_m: 0.005,
             map_deviation_deg: 0.2,
             jump_m: 1.0,
-            least_explained: 0.3,
+            least_explained: 0.5,
             landmark_noise: None,
         }
     }
