@@ -176,7 +176,7 @@ impl Locator {
     fn observe(&mut self, sightings: &[Sighting]) -> Vec<Landmark> {
         let reach_m = self.settings.matching.model.range_m;
         let mut landmarks = if self.settings.is_thesis {
-            union_of_landmarks(sightings, &mut self.extractor)
+            union_of_landmarks(sightings, &mut self.extractor, self.settings.matching.model.step_rad())
         } else {
             self.panorama(sightings).landmarks(&mut self.extractor, reach_m)
         };

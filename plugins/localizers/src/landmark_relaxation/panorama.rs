@@ -6,7 +6,7 @@
 use super::sighting::{Beam, Sighting};
 use crate::triangulation::correspondence::predicted;
 use rumbo_core::frames::{Point2, Pose2, wrap_angle};
-use rumbo_kit::landmarks::{Extractor, Landmark, Reading};
+use rumbo_kit::landmarks::{BeamFan, Extractor, Landmark, Reading};
 use std::f64::consts::TAU;
 
 /// Readings all around the base.
@@ -84,14 +84,19 @@ impl Panorama {
     }
 }
 
-/// The landmarks of each scan by itself, seen from the base at the last: as in the source.
-pub fn union_of_landmarks(sightings: &[Sighting], extractor: &mut Extractor) -> Vec<Landmark> {
+/// The landmarks of each scan by itself, seen from the base at the last: as in the source. Of beams that are nearer to each
+/// other than `step_rad`, the step of the model's rays, only so many are used: jumps of the range along grazed walls depend
+/// on it.
+pub fn union_of_landmarks(sightings: &[Sighting], extractor: &mut Extractor, step_rad: f64) -> Vec<Landmark> {
     let mut landmarks = Vec::new();
     let Some(reference) = sightings.last() else { return landmarks };
     for sighting in sightings {
         let sensor_from_reference =
             (reference_from(sighting, reference) * sighting.base_from_sensor).inverse();
-        let found = extractor.extract(&sighting.fan, sighting.ranges_m.iter().copied());
+        let every = (step_rad / sighting.fan.bearing_step_rad.abs()).round().clamp(1.0, 1e3) as usize;
+        let bearing_step_rad = sighting.fan.bearing_step_rad * every as f64;
+        let fan = BeamFan { bearing_step_rad, ..sighting.fan };
+        let found = extractor.extract(&fan, sighting.ranges_m.iter().step_by(every).copied());
         let used = found.iter().filter(|landmark| landmark.extent_m().is_some());
         landmarks.extend(used.map(|landmark| predicted(landmark, &sensor_from_reference)));
     }

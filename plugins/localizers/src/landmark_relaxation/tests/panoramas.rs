@@ -78,7 +78,7 @@ fn walls_at_the_seams_are_whole_in_the_panorama_and_cut_in_the_union() {
     let sightings = both(&known, &pose2(AT[0], AT[1], 0.0), &Pose2::identity());
     let mut extractor = Extractor::new(LandmarkSettings::default());
     let joined = Panorama::of(&sightings, 360).landmarks(&mut extractor, 8.0);
-    let union = union_of_landmarks(&sightings, &mut extractor);
+    let union = union_of_landmarks(&sightings, &mut extractor, TAU / 360.0);
     let lower = |landmarks: &[rumbo_kit::landmarks::Landmark]| -> Vec<f64> {
         let is_lower =
             |l: &&rumbo_kit::landmarks::Landmark| l.is_wall() && (l.bearing_rad + FRAC_PI_2).abs() < 0.05;
@@ -144,7 +144,7 @@ fn odd_scans_make_panoramas_without_readings() {
             assert_eq!(panorama.n_readings(), 0, "{ranges:?}");
             let mut extractor = Extractor::new(LandmarkSettings::default());
             assert!(panorama.landmarks(&mut extractor, 8.0).is_empty());
-            assert!(union_of_landmarks(&sightings, &mut extractor).is_empty());
+            assert!(union_of_landmarks(&sightings, &mut extractor, TAU / 360.0).is_empty());
         }
     }
     let nowhere = scan(vec![1.0; 9], f64::NAN, 0.1);
