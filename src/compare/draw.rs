@@ -55,6 +55,7 @@ fn attempt(space: &FreeSpace, rules: &Rules, seed: u64, rng: &mut Rng) -> Option
         let way = ground.goal(&field, reach, rng)?;
         ends.goal = way.last().copied()?;
         if let Some(rule) = &rules.in_the_way {
+            let way = ground.refined(&way);
             blocker::put((space, &ground), rule, &ends, &way, rng, &mut scenery)?;
         }
     }

@@ -123,6 +123,36 @@ impl Ground {
         cells.into_iter().rev().map(|cell| self.middle(cell)).collect()
     }
 
+    /// The same way made of as few straight pieces as keep its distance from walls (algorithm 3.3 of the planner `dp`), in
+    /// steps of a cell.
+    pub fn refined(&self, way: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let mut refined: Vec<[f64; 2]> = way.first().copied().into_iter().collect();
+        let mut idx = 0;
+        while let Some(from) = way.get(idx) {
+            let is_clear = |next: &usize| {
+                let part = way.get(idx..=*next).unwrap_or_default();
+                let dearest = part.iter().map(|place| self.entry(*place)).fold(1.0, f64::max);
+                let to = part.last().copied().unwrap_or(*from);
+                self.steps(*from, to).all(|place| self.entry(place) <= dearest)
+            };
+            let Some(next) = (idx + 1..way.len()).rev().find(is_clear) else { break };
+            refined.extend(way.get(next).into_iter().flat_map(|to| self.steps(*from, *to)));
+            idx = next;
+        }
+        refined
+    }
+
+    /// Places between two, the last one included.
+    fn steps(&self, from: [f64; 2], to: [f64; 2]) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let n = ((to[0] - from[0]).hypot(to[1] - from[1]) / self.resolution_m).ceil().max(1.0) as usize;
+        let at = move |share: f64| [0, 1].map(|axis: usize| from[axis] + (to[axis] - from[axis]) * share);
+        (1..=n).map(move |step| at(step as f64 / n as f64))
+    }
+
+    fn entry(&self, at: [f64; 2]) -> f64 {
+        self.cell(at).and_then(|cell| self.entries.get(cell)).copied().unwrap_or(f64::INFINITY)
+    }
+
     fn middle(&self, cell: usize) -> [f64; 2] {
         let (col, row) = self.size.col_row(cell);
         let along = |count: usize| (count as f64 + 0.5) * self.resolution_m;

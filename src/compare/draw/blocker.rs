@@ -25,7 +25,7 @@ const DOOR_REACH_M: f64 = 3.0;
 const THIN_M: f64 = 0.04;
 /// Speed at which a robot may come along, to tell when it has, m/s.
 const COMING_M_S: f64 = 0.15;
-/// Who leaves walks so fast, straight away through all walls, m/s and meters.
+/// Who leaves walks so fast, straight ahead through all walls, m/s and meters.
 const LEAVING_M_S: f64 = 1.0;
 const GONE_M: f64 = 500.0;
 
@@ -70,7 +70,7 @@ pub fn put(
         return Some(());
     }
     let mut standing = match rule.leaves_after_s {
-        Some(_) => person("somebody", &[*at, along(*at, across_rad, side * GONE_M)], LEAVING_M_S),
+        Some(_) => person("somebody", &[*at, along(*at, heading_rad, GONE_M)], LEAVING_M_S),
         None => person("somebody", &[*at], 0.0),
     };
     if let Some(leaves_after_s) = rule.leaves_after_s {

@@ -60,6 +60,10 @@ fn ways_have_the_length_that_is_asked_for_around_what_stands_there() {
         let way = ground.way(&ways, goal);
         let length_m: f64 = way.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1])).sum();
         assert!((4.0..=5.0).contains(&length_m), "{length_m}");
+        let refined = ground.refined(&way);
+        assert!(refined.iter().all(|place| ground.is_open(*place)));
+        let ends = refined.first().zip(refined.last()).unwrap();
+        assert!((ends.0[0] - way[0][0]).abs() < 1e-9 && (ends.1[1] - way[way.len() - 1][1]).abs() < 1e-9);
         assert!((goal[0] - start[0]).hypot(goal[1] - start[1]) <= length_m + 1e-9);
     }
 }
@@ -89,7 +93,7 @@ fn what_is_in_the_way_closes_it_and_leaves_or_closes_the_other() {
             let space = space();
             assert_eq!(space.with(&boxes).are_joined(start, goal), another_way, "{kind} {seed}");
             let ground = space.with(&[]);
-            let way = ground.way(&ground.ways_from(start).unwrap(), goal);
+            let way = ground.refined(&ground.way(&ground.ways_from(start).unwrap(), goal));
             let blocked = space.with(&boxes);
             assert!(way.iter().any(|place| !blocked.is_open(*place)), "{kind} {seed} is in the way");
         }
