@@ -50,6 +50,12 @@ pub struct Outcome {
     pub min_clearance_m: Option<f64>,
     /// How often contact began.
     pub contacts: Option<u32>,
+    /// When contact first began, seconds.
+    #[serde(default)]
+    pub first_contact_s: Option<f64>,
+    /// When the avoider first said that the way is blocked, seconds.
+    #[serde(default)]
+    pub first_blocked_s: Option<f64>,
     /// New plans after the first of each goal.
     pub replans: u32,
     /// How often the guard stepped in.
@@ -102,6 +108,8 @@ impl Outcome {
             turn_deg_m: summary.turn_deg_m,
             min_clearance_m: summary.min_clearance_m,
             contacts: summary.contacts,
+            first_contact_s: summary.first_contact_s,
+            first_blocked_s: summary.first_blocked_s,
             replans: summary.replans,
             guard_interventions: summary.guard_interventions,
             stage_failures: summary.stage_failures,
@@ -117,6 +125,14 @@ impl Outcome {
     /// The run did what it was for.
     pub fn is_success(&self) -> bool {
         self.arrived || matches!(self.reason, EndReason::Ended | EndReason::Finished)
+    }
+
+    /// The avoider saw what is in the way before the hull touched anything; true where it touched nothing, and absent where
+    /// nobody knows.
+    pub fn saw_before_contact(&self) -> Option<bool> {
+        let contacts = self.contacts?;
+        let saw = self.first_blocked_s.zip(self.first_contact_s).is_some_and(|(saw, touched)| saw < touched);
+        Some(contacts == 0 || saw)
     }
 
     /// Time used by one part, seconds.

@@ -45,7 +45,9 @@ fn attempt(space: &FreeSpace, rules: &Rules, seed: u64, rng: &mut Rng) -> Option
     if rules.moved_furniture > 0.0 {
         furniture::move_some(space, rules.moved_furniture, start, rng, &mut scenery);
     }
-    if let Some(clutter) = rules.clutter.filter(|clutter| seed.saturating_sub(1) % clutter.every == 0) {
+    if let Some(clutter) =
+        rules.clutter.filter(|clutter| seed.saturating_sub(1).is_multiple_of(clutter.every))
+    {
         furniture::clutter(&clutter, start, rng, &mut scenery);
     }
     let ground = space.with(&scenery.boxes);

@@ -49,7 +49,7 @@ const fn figure(
 
 /// All of them, in reading order. A way that was broken off is short and quick: time, way, detour and turns are of
 /// runs that succeeded.
-pub const FIGURES: [Figure; 15] = [
+pub const FIGURES: [Figure; 16] = [
     figure("time_s", ("time to goal", "s"), (1.0, 1), true, |o, _| Some(o.time_s)),
     figure("path_m", ("way driven", "m"), (1.0, 2), true, |o, _| Some(o.path_m)),
     figure("detour", ("way over straight line", ""), (1.0, 3), true, |o, r| Some(o.path_m / r.straight_m?)),
@@ -67,6 +67,9 @@ pub const FIGURES: [Figure; 15] = [
     figure("final_error_y_m", ("final error along y", "cm"), (100.0, 2), false, |o, _| o.final_error_y_m),
     figure("final_heading_error_deg", ("final heading error", "°"), (1.0, 2), false, |o, _| {
         o.final_heading_error_deg
+    }),
+    figure("saw_before_contact", ("saw it before contact", "%"), (100.0, 0), false, |o, _| {
+        o.saw_before_contact().map(|saw| f64::from(u8::from(saw)))
     }),
     figure("replans", ("new plans", ""), (1.0, 2), false, |o, _| Some(f64::from(o.replans))),
 ];

@@ -1,7 +1,7 @@
 //! Start and goal in the connected free space of a world.
 
 use super::fingerprint::Fingerprint;
-use super::ground::Ground;
+use super::ground::{Ground, Passing};
 use super::range::unit;
 use rumbo_core::frames::{Point2, Pose2, pose2};
 use rumbo_core::rng::{Rng, stream};
@@ -60,7 +60,7 @@ impl FreeSpace {
     }
 
     fn of_image(image: MapImage, radius_m: f64, scene: WorldScene) -> Result<FreeSpace, String> {
-        let ground = Ground::of(&image, radius_m);
+        let ground = Ground::of(&image, radius_m, Passing::WithRoom);
         if ground.middles.len() < 2 {
             return Err(format!("has no free space for a robot of {radius_m} m radius to start and end in"));
         }
@@ -91,8 +91,13 @@ impl FreeSpace {
     pub fn with(&self, boxes: &[SolidBox]) -> Ground {
         match boxes {
             [] => self.ground.clone(),
-            _ => Ground::of(&self.image_with(boxes), self.radius_m),
+            _ => self.ground_for(Passing::WithRoom, boxes),
         }
+    }
+
+    /// The ground with more boxes on it, for a robot that passes them like this.
+    pub fn ground_for(&self, passing: Passing, boxes: &[SolidBox]) -> Ground {
+        Ground::of(&self.image_with(boxes), self.radius_m, passing)
     }
 
     /// Whether these boxes leave almost all places joined.

@@ -32,6 +32,24 @@ pub struct Ground {
     pub middles: Vec<[f64; 2]>,
 }
 
+/// How near to walls a robot passes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Passing {
+    /// With room on both sides of the hull.
+    WithRoom,
+    /// As near as can be.
+    Narrowly,
+}
+
+impl Passing {
+    fn beside_m(self) -> f64 {
+        match self {
+            Passing::WithRoom => PASS_M,
+            Passing::Narrowly => 0.0,
+        }
+    }
+}
+
 /// What the ways from one place cost.
 pub struct Ways(Vec<f64>);
 
@@ -43,14 +61,14 @@ impl Ways {
 
 impl Ground {
     /// Of a map, for a robot with this radius.
-    pub fn of(image: &MapImage, radius_m: f64) -> Ground {
+    pub fn of(image: &MapImage, radius_m: f64, passing: Passing) -> Ground {
         let size = GridSize::new(image.width, image.height);
         let marked: Vec<u8> =
             image.cells.iter().map(|percent| u8::from(!(0..=50).contains(percent))).collect();
         let field = squared_distance_field(size, &marked);
         // From middle to middle; a wall begins half a cell before the middle of its own.
         let squared = |clearance_m: f64| ((radius_m + clearance_m) / image.resolution_m + 0.5).powi(2);
-        let (pass, stand) = (squared(PASS_M), squared(STAND_M));
+        let (pass, stand) = (squared(passing.beside_m()), squared(STAND_M));
         let is_open: Vec<bool> = field.iter().map(|d| f64::from(*d) >= pass).collect();
         // From a cell's middle to that of the nearest wall cell, as planners on a grid count.
         let entry = |(squared, is_open): (&u32, &bool)| {

@@ -46,7 +46,7 @@ pub enum Missions {
     /// The one in a file, as arguments of `--set`.
     Given(Vec<String>),
     /// So many for each seed.
-    Drawn(FreeSpace, u32),
+    Drawn(Box<FreeSpace>, u32),
 }
 
 impl Missions {
@@ -95,7 +95,7 @@ impl Place {
             let space = FreeSpace::of(&scene, radius_m)
                 .map_err(|message| format!("{}: {message}", file.display()))?;
             space.note(&mut print);
-            Missions::Drawn(space, n_missions)
+            Missions::Drawn(Box::new(space), n_missions)
         };
         let file = std::path::absolute(file).map_err(|error| format!("{}: {error}", file.display()))?;
         let (file, fingerprint) = (Some(file), print.value());

@@ -45,6 +45,10 @@ pub struct Summary {
     pub min_clearance_m: Option<f64>,
     /// How often contact began.
     pub contacts: Option<u32>,
+    /// When contact first began, seconds.
+    pub first_contact_s: Option<f64>,
+    /// When the avoider first said that the way is blocked, seconds.
+    pub first_blocked_s: Option<f64>,
     /// New plans after the first of each goal.
     pub replans: u32,
     /// How often the guard stepped in, counted in episodes.
@@ -96,6 +100,8 @@ pub struct Metrics {
     goal_error_m: Option<f64>,
     min_clearance_m: Option<f64>,
     contacts: Option<u32>,
+    first_contact_s: Option<f64>,
+    first_blocked_s: Option<f64>,
     replans: u32,
     guard_interventions: u32,
     stage_failures: u32,
@@ -149,6 +155,8 @@ impl Metrics {
             turn_deg_m: (self.path_m > Self::LEAST_WAY_M).then(|| self.turned_rad.to_degrees() / self.path_m),
             min_clearance_m: self.min_clearance_m,
             contacts: self.contacts,
+            first_contact_s: self.first_contact_s,
+            first_blocked_s: self.first_blocked_s,
             replans: self.replans,
             guard_interventions: self.guard_interventions,
             stage_failures: self.stage_failures,
@@ -212,6 +220,9 @@ impl Metrics {
             self.min_clearance_m = Some(least);
         }
         self.contacts = truth.contact_episodes;
+        if self.contacts.is_some_and(|n| n > 0) {
+            self.first_contact_s.get_or_insert(self.time_s);
+        }
         self.goal_error_m = self.goal.map(|goal| (goal - Point2::from(true_pose.translation.vector)).norm());
     }
 }
@@ -235,6 +246,9 @@ impl Observer for Metrics {
         for event in view.events {
             match event.kind {
                 EventKind::PlanRequested { replans } if replans > 0 => self.replans += 1,
+                EventKind::Blocked { .. } => {
+                    self.first_blocked_s.get_or_insert(self.time_s);
+                }
                 EventKind::Guard(_) => self.guard_interventions += 1,
                 EventKind::StageFailed { .. } => self.stage_failures += 1,
                 _ => {}

@@ -4,7 +4,7 @@ use super::people::person;
 use super::rules::{InTheWay, Kind};
 use super::{Scenery, along, between};
 use crate::compare::free_space::{Ends, FreeSpace};
-use crate::compare::ground::Ground;
+use crate::compare::ground::{Ground, Passing};
 use crate::compare::range::unit;
 use rumbo_core::rng::Rng;
 use rumbo_kit::world_file::{Material, SolidBox};
@@ -61,8 +61,11 @@ pub fn put(
         Kind::Person => vec![solid("person", *at, [0.5, 0.5], across_rad)],
     };
     let all: Vec<SolidBox> = scenery.boxes.iter().chain(&boxes).cloned().collect();
-    let is_reachable = space.with(&all).are_joined(ends.start, ends.goal);
-    if is_reachable != rule.another_way && rule.leaves_after_s.is_none() {
+    let is_joined = |passing: Passing| space.ground_for(passing, &all).are_joined(ends.start, ends.goal);
+    // Where no way shall be left, none must be left for a robot that takes passages as narrow as its hull.
+    let is_right =
+        if rule.another_way { is_joined(Passing::WithRoom) } else { !is_joined(Passing::Narrowly) };
+    if !is_right && rule.leaves_after_s.is_none() {
         return None;
     }
     if rule.kind != Kind::Person {

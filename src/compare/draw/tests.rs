@@ -1,4 +1,5 @@
 use super::*;
+use crate::compare::ground::Passing;
 use rumbo_kit::world_file::parse_world;
 use std::path::Path;
 
@@ -92,6 +93,7 @@ fn what_is_in_the_way_closes_it_and_leaves_or_closes_the_other() {
             assert_eq!(boxes.len(), if kind == "chair" { 5 } else { 1 });
             let space = space();
             assert_eq!(space.with(&boxes).are_joined(start, goal), another_way, "{kind} {seed}");
+            assert!(another_way || !space.ground_for(Passing::Narrowly, &boxes).are_joined(start, goal));
             let ground = space.with(&[]);
             let way = ground.refined(&ground.way(&ground.ways_from(start).unwrap(), goal));
             let blocked = space.with(&boxes);
