@@ -123,7 +123,7 @@ start_s = 4.0
     );
     let sensor = mount(0.0, 0.0, 0.3, 0.0, 0.0);
     for (time_s, expected_m) in [(0.0, 6.0), (5.0, 10.0), (7.0, 7.75), (9.0, 10.0)] {
-        place.set_time(time_s, &Pose2::identity());
+        place.set_time(time_s, &rumbo_core::frames::Pose2::identity());
         assert!((range(&mut place, &sensor, 0.0) - expected_m).abs() < 1e-6, "at {time_s} s");
     }
 }
