@@ -153,7 +153,8 @@ impl Ground {
                 let to = part.last().copied().unwrap_or(*from);
                 self.steps(*from, to).all(|place| self.entry(place) <= dearest)
             };
-            let Some(next) = (idx + 1..way.len()).rev().find(is_clear) else { break };
+            // From a cell to the next one the way itself leads.
+            let next = (idx + 2..way.len()).rev().find(is_clear).unwrap_or(idx + 1);
             refined.extend(way.get(next).into_iter().flat_map(|to| self.steps(*from, *to)));
             idx = next;
         }

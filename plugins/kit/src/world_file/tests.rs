@@ -125,7 +125,7 @@ at = [0, 0]
         "22:9 person[2].route: never leaves its first point; expected at least two different points, or speed_m_s = 0",
         "27:13 door[0].open_at_s: is inf, expected a finite number, 0 or more",
         "29:6 mark[0].id: found -3, expected a whole number from 0 to 4294967295",
-        "31:2 robot: unknown key, expected one of name, wall_height_m, map_height_m, map, bounds, wall, box, person, door, mark",
+        "31:2 robot: unknown key, did you mean robot_map?",
     ];
     for (found, expected) in found.iter().zip(expected) {
         assert_eq!(found, expected);
