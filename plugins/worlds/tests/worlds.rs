@@ -162,6 +162,13 @@ fn every_shipped_world_loads_and_a_robot_can_stand_in_it() {
         ("office_unreachable.toml", start(2.0, 3.0, 90.0)),
         ("office_people.toml", start(2.0, 3.0, 90.0)),
         ("glass_corridor.toml", start(2.0, 3.0, 90.0)),
+        ("natural_landmark_5x5.toml", start(2.0, 2.0, 0.0)),
+        ("natural_landmark_10x10.toml", start(2.0, 6.0, 0.0)),
+        ("natural_landmark_20x20.toml", start(2.0, 13.0, 0.0)),
+        ("laboratory.toml", start(3.9, 1.3, 90.0)),
+        ("laboratory-map.yaml", start(3.9, 1.3, 90.0)),
+        ("department.toml", start(3.4, 6.3, 0.0)),
+        ("department-map.yaml", start(3.4, 6.3, 0.0)),
     ];
     let mut names: Vec<String> = std::fs::read_dir(worlds())
         .unwrap()
@@ -199,4 +206,22 @@ fn the_blocked_corridor_is_blocked_and_the_shut_doors_are_shut() {
     let door = start(13.7, 8.0, 90.0);
     assert!((ahead("office-20m.yaml", door) - 6.3).abs() < 1e-5, "to the bench inside");
     assert!((ahead("office_unreachable.toml", door) - 1.05).abs() < 1e-6);
+}
+
+/// The boxes fill the cells of the pictures, which have the counts of the source.
+#[test]
+fn the_offices_as_boxes_are_those_of_their_pictures() {
+    for (name, n_occupied) in [("5x5", 1_630), ("10x10", 7_186), ("20x20", 21_190)] {
+        let scene = load_world(&worlds().join(format!("natural_landmark_{name}.toml"))).unwrap();
+        let picture = load_map(scene.robot_map.as_ref().unwrap(), 1_000_000).unwrap();
+        assert_eq!(picture.cells.iter().filter(|cell| **cell > 50).count(), n_occupied, "{name}");
+        for (idx, cell) in picture.cells.iter().enumerate() {
+            let middle =
+                [idx % picture.width, idx / picture.width].map(|n| (n as f64 + 0.5) * picture.resolution_m);
+            let is_inside = scene.boxes.iter().any(|solid| {
+                (0..2).all(|axis| (middle[axis] - solid.center[axis]).abs() < solid.size[axis] / 2.0)
+            });
+            assert_eq!(is_inside, *cell > 50, "{name} at {middle:?}");
+        }
+    }
 }
