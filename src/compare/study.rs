@@ -148,3 +148,50 @@ impl Study {
 pub fn parsed(ranges: &[String]) -> impl Iterator<Item = SetRange> {
     ranges.iter().filter_map(|text| range::parse(text).ok())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::worlds::{find, in_scenes};
+
+    #[test]
+    fn every_shipped_study_is_read_and_finds_its_pipeline_and_worlds() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/studies");
+        let files: Vec<PathBuf> =
+            std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()).collect();
+        assert!(files.len() >= 6);
+        for file in files {
+            let study = Study::read(&file).unwrap().unwrap();
+            assert!(study.pipeline.is_file() && !study.title.is_empty(), "{}", file.display());
+            let places = in_scenes(&find(&study.worlds, 0.2, 1).unwrap(), &study);
+            assert!(places.len() >= study.scene.len().max(2), "{}", file.display());
+            let known = |name: &String| places.iter().any(|place| place.name.starts_with(name.as_str()));
+            assert!(study.world.keys().all(known), "{}: {:?}", file.display(), study.world.keys());
+        }
+    }
+
+    #[test]
+    fn faults_of_a_study_come_together_and_a_pipeline_is_none() {
+        let folder = std::env::temp_dir().join(format!("rumbo-study-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("study.toml");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            Study::read(&path)
+        };
+        assert!(read("name = 'a pipeline'\n").unwrap().is_none());
+        let faulty = "pipeline = 'p.toml'\nswap = ['planner']\n[draw]\nmoved_furniture = 2.0\n[[scene]]\nname = 'a'\n\
+                      draw = { way_m = [2.0, 1.0] }\n";
+        let message = read(faulty).unwrap_err();
+        for words in ["moved_furniture", "scene \"a\": draw.way_m", "planner=dp,a_star"] {
+            assert!(message.contains(words), "{message}");
+        }
+        assert!(read("pipeline = 'p.toml'\nseed = 3\n").unwrap_err().contains("unknown field `seed`"));
+        let study = read("pipeline = 'p.toml'\nworlds = ['w/*.toml']\n").unwrap().unwrap();
+        assert_eq!(
+            (study.pipeline, study.worlds),
+            (folder.join("p.toml"), vec![folder.join("w/*.toml").display().to_string()])
+        );
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -121,7 +121,7 @@ pub fn in_scenes(places: &[Place], study: &Study) -> Vec<Place> {
             expect: scene.and_then(|scene| scene.success.clone()).or_else(|| study.success.clone()),
         };
         let name =
-            scene.map_or_else(|| place.name.clone(), |scene| format!("{}, {}", place.name, scene.name));
+            scene.map_or_else(|| place.name.clone(), |scene| format!("{}: {}", place.name, scene.name));
         Place { name, by_study, ..place.clone() }
     };
     places.iter().flat_map(|place| scenes.iter().map(move |scene| (place, *scene))).map(in_scene).collect()
