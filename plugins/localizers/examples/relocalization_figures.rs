@@ -8,13 +8,14 @@
 mod relocalization_work;
 
 use relocalization_work::{Clutter, Laser, Office, Outcome, trial};
-use rumbo_localizers::landmark_relaxation::{LandmarkRelaxationParams, NoiseParams};
+use rumbo_localizers::landmark_noise::LandmarkNoiseParams;
+use rumbo_localizers::landmark_relaxation::LandmarkRelaxationParams;
 
 fn main() {
     let n_trials = std::env::args().nth(1).map_or(300, |word| word.parse().expect("a number of trials"));
     let maps: Vec<String> = std::env::args().skip(2).collect();
     for thesis_mode in [false, true] {
-        let landmark_noise = Some(NoiseParams::default());
+        let landmark_noise = Some(LandmarkNoiseParams::default());
         let params =
             LandmarkRelaxationParams { thesis_mode, landmark_noise, ..LandmarkRelaxationParams::default() };
         let mode = if thesis_mode { "thesis " } else { "default" };

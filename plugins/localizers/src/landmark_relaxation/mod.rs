@@ -28,4 +28,4 @@ pub mod traced_beams;
 #[cfg(test)]
 mod tests;
 
-pub use params::{LandmarkRelaxationParams, ModelCache, NoiseParams};
+pub use params::{LandmarkRelaxationParams, ModelCache};

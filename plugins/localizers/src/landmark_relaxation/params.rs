@@ -7,10 +7,11 @@ use super::next_move::MoveLimits;
 use super::refinement::RefinementSettings;
 use super::relaxation::RelationTolerance;
 use super::search::SearchSettings;
+use crate::landmark_noise::LandmarkNoiseParams;
 use rumbo_core::registry::Params;
 use rumbo_core::stages::{BuildContext, BuildError};
 use rumbo_kit::landmark_model::{ModelSettings, Similarity, settings_name};
-use rumbo_kit::landmarks::{LandmarkNoise, LandmarkSettings, WallFit};
+use rumbo_kit::landmarks::{LandmarkSettings, WallFit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -24,24 +25,6 @@ pub enum ModelCache {
     BesideMap,
     /// Nowhere: it is built for every run.
     None,
-}
-
-/// Noise on what is observed, for experiments.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct NoiseParams {
-    /// Share of the landmarks that have noise.
-    pub share: f64,
-    /// Largest error of a distance, meters.
-    pub distance_m: f64,
-    /// Largest error of a bearing, degrees.
-    pub bearing_deg: f64,
-}
-
-impl Default for NoiseParams {
-    fn default() -> Self {
-        NoiseParams { share: 0.2, distance_m: 0.02, bearing_deg: 5.0 }
-    }
 }
 
 /// Finds a robot that may be anywhere on a grid map, by natural landmarks of a planar laser: edges and walls seen all
@@ -100,7 +83,7 @@ pub struct LandmarkRelaxationParams {
     pub turn_deviation: f64,
     /// Noise on observed landmarks, for experiments: `{ share = 0.2, distance_m = 0.02, bearing_deg = 5.0 }` is that of the
     /// source.
-    pub landmark_noise: Option<NoiseParams>,
+    pub landmark_noise: Option<LandmarkNoiseParams>,
 }
 
 impl Default for LandmarkRelaxationParams {
@@ -136,7 +119,7 @@ impl Default for LandmarkRelaxationParams {
 impl Params for LandmarkRelaxationParams {
     fn check(&self) -> Vec<BuildError> {
         // More than the largest is surely not meant, and would take memory without end.
-        let mut limits = vec![
+        let limits = [
             ("move_m", self.move_m, 0.05..=20.0),
             ("range_m", self.range_m, 0.5..=80.0),
             ("ray_step_deg", self.ray_step_deg, 0.1..=10.0),
@@ -155,11 +138,6 @@ impl Params for LandmarkRelaxationParams {
             ("map_deviation_m", self.map_deviation_m, 1e-4..=1.0),
             ("turn_deviation", self.turn_deviation, 0.0..=1.0),
         ];
-        if let Some(noise) = &self.landmark_noise {
-            limits.push(("landmark_noise.share", noise.share, 0.0..=1.0));
-            limits.push(("landmark_noise.distance_m", noise.distance_m, 0.0..=10.0));
-            limits.push(("landmark_noise.bearing_deg", noise.bearing_deg, 0.0..=180.0));
-        }
         let outside = limits.into_iter().filter(|(_, value, range)| !range.contains(value));
         let mut faults: Vec<BuildError> = outside
             .map(|(key, value, range)| {
@@ -170,6 +148,7 @@ impl Params for LandmarkRelaxationParams {
         if self.most_moves > 100 {
             faults.push(BuildError::at("most_moves", format!("is {}, expected 0 to 100", self.most_moves)));
         }
+        faults.extend(self.landmark_noise.iter().flat_map(LandmarkNoiseParams::faults));
         if self.cache == ModelCache::None && self.cache_file.is_some() {
             let message = "is given, but cache = \"none\" keeps no model";
             faults.push(BuildError::at("cache_file", message).help("leave one of the two out"));
@@ -228,11 +207,7 @@ impl LandmarkRelaxationParams {
                 judged: self.least_judged,
                 alike: self.alike,
             },
-            noise: self.landmark_noise.as_ref().map(|noise| LandmarkNoise {
-                share: noise.share,
-                distance_m: noise.distance_m,
-                bearing_rad: noise.bearing_deg.to_radians(),
-            }),
+            noise: self.landmark_noise.map(|noise| noise.noise()),
         }
     }
 

@@ -39,4 +39,4 @@ pub mod quality;
 #[cfg(test)]
 mod tests;
 
-pub use params::{Estimator, LandmarkNoiseParams, TriangulationParams};
+pub use params::{Estimator, TriangulationParams};

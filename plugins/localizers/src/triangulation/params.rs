@@ -4,10 +4,11 @@ use super::correspondence::Tolerances;
 use super::landmark_errors::LandmarkErrors;
 use super::quality::Weighting;
 use super::tracker::{PairRules, TrackerSettings};
+use crate::landmark_noise::LandmarkNoiseParams;
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
 use rumbo_core::time::Span;
-use rumbo_kit::landmarks::{LandmarkNoise, LandmarkSettings, WallFit};
+use rumbo_kit::landmarks::{LandmarkSettings, WallFit};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -20,24 +21,6 @@ pub enum Estimator {
     LeastSquares,
     /// Triangulation by all pairs of landmarks, weighed by the quality of each pair.
     Pairs,
-}
-
-/// Noise on landmarks, uniform in distance and bearing.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct LandmarkNoiseParams {
-    /// Each landmark has noise with this probability; both parts at once.
-    pub share: f64,
-    /// Largest error of the distance, meters.
-    pub distance_m: f64,
-    /// Largest error of the bearing, degrees.
-    pub bearing_deg: f64,
-}
-
-impl Default for LandmarkNoiseParams {
-    fn default() -> Self {
-        LandmarkNoiseParams { share: 0.2, distance_m: 0.02, bearing_deg: 5.0 }
-    }
 }
 
 /// Follows a robot from a known start by natural landmarks of a planar laser: discontinuities, corners and walls are
@@ -166,21 +149,6 @@ impl Params for TriangulationParams {
     }
 }
 
-impl LandmarkNoiseParams {
-    fn faults(&self) -> Vec<BuildError> {
-        let ranges = [
-            ("share", self.share, 1.0),
-            ("distance_m", self.distance_m, 1.0),
-            ("bearing_deg", self.bearing_deg, 180.0),
-        ];
-        let bad = ranges.into_iter().filter(|(_, value, most)| !(0.0..=*most).contains(value));
-        bad.map(|(key, value, most)| {
-            BuildError::at(format!("landmark_noise.{key}"), format!("is {value}, expected 0 to {most}"))
-        })
-        .collect()
-    }
-}
-
 impl TriangulationParams {
     /// Time between updates in the source, seconds (section 5.1).
     const THESIS_PERIOD_S: f64 = 4.0;
@@ -219,11 +187,7 @@ impl TriangulationParams {
                 map_m: self.map_deviation_m,
                 map_rad: self.map_deviation_deg.to_radians(),
             },
-            noise: self.landmark_noise.map(|noise| LandmarkNoise {
-                share: noise.share,
-                distance_m: noise.distance_m,
-                bearing_rad: noise.bearing_deg.to_radians(),
-            }),
+            noise: self.landmark_noise.map(|noise| noise.noise()),
             least_explained: self.least_explained,
         }
     }

@@ -7,7 +7,8 @@ use rumbo_core::map::Layer;
 use rumbo_core::messages::{Estimate, ObservationKind, Status, Wish};
 use rumbo_core::registry::{Params, Plugin};
 use rumbo_core::rng::stream;
-use rumbo_localizers::landmark_relaxation::{LandmarkRelaxationParams, ModelCache, NoiseParams};
+use rumbo_localizers::landmark_noise::LandmarkNoiseParams;
+use rumbo_localizers::landmark_relaxation::{LandmarkRelaxationParams, ModelCache};
 
 fn defaults() -> LandmarkRelaxationParams {
     LandmarkRelaxationParams::default()
@@ -161,7 +162,8 @@ fn where_there_is_nothing_to_see_the_search_ends_and_says_so() {
 fn the_same_search_gives_the_same_estimates() {
     let office = Office::named("5x5");
     let start = office.pose(&mut stream(5, "start"));
-    let params = LandmarkRelaxationParams { landmark_noise: Some(NoiseParams::default()), ..defaults() };
+    let params =
+        LandmarkRelaxationParams { landmark_noise: Some(LandmarkNoiseParams::default()), ..defaults() };
     let run = |n_threads: usize| -> Vec<Estimate> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         pool.install(|| {
@@ -181,7 +183,7 @@ fn it_says_what_it_needs_and_refuses_what_cannot_be() {
     assert!(manifest.wishes_motion && !manifest.needs_start_pose);
     assert!(!LandmarkRelaxationParams { moves: false, ..defaults() }.manifest().wishes_motion);
     assert!(defaults().check().is_empty());
-    let noise = NoiseParams { share: 1.5, distance_m: -1.0, bearing_deg: f64::NAN };
+    let noise = LandmarkNoiseParams { share: 1.5, distance_m: -1.0, bearing_deg: f64::NAN };
     let bad = LandmarkRelaxationParams {
         range_m: f64::NAN,
         ray_step_deg: 0.0,

@@ -5,12 +5,13 @@ use super::relocalization_work::{Clutter, Laser, Office, Outcome, boxes, trial};
 use rand::RngExt;
 use rumbo_core::map::Grid;
 use rumbo_core::rng::stream;
+use rumbo_localizers::landmark_noise::LandmarkNoiseParams;
+use rumbo_localizers::landmark_relaxation::LandmarkRelaxationParams;
 use rumbo_localizers::landmark_relaxation::locator::{Locator, Verdict};
 use rumbo_localizers::landmark_relaxation::matching::Knowledge;
-use rumbo_localizers::landmark_relaxation::{LandmarkRelaxationParams, NoiseParams};
 
 fn params(thesis_mode: bool) -> LandmarkRelaxationParams {
-    let landmark_noise = Some(NoiseParams::default());
+    let landmark_noise = Some(LandmarkNoiseParams::default());
     LandmarkRelaxationParams { thesis_mode, landmark_noise, ..LandmarkRelaxationParams::default() }
 }
 

@@ -1,8 +1,9 @@
 //! The plugin as a pipeline sees it.
 
-use super::super::params::{LandmarkNoiseParams, TriangulationParams};
+use super::super::params::TriangulationParams;
 use super::drive::{Hardship, scan};
 use super::place::Office;
+use crate::landmark_noise::LandmarkNoiseParams;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, Pose3, Twist, pose2};
 use rumbo_core::map::{Grid, GridHeader, Map};

@@ -1,9 +1,10 @@
 //! How well robots are followed; figures with
 //! `RUMBO_DRIVES=300 cargo test -p rumbo-localizers --lib triangulation::tests::tracking -- --nocapture`.
 
-use super::super::params::{Estimator, LandmarkNoiseParams, TriangulationParams};
+use super::super::params::{Estimator, TriangulationParams};
 use super::drive::{Hardship, Outcome, drive};
 use super::place::Office;
+use crate::landmark_noise::LandmarkNoiseParams;
 
 /// Map, length of the drive (meters), bar of the error in x and y (centimeters).
 const DRIVES: [(&str, f64, f64); 3] = [("5x5", 3.8, 1.0), ("10x10", 7.6, 1.0), ("20x20", 18.5, 2.0)];
