@@ -148,6 +148,7 @@ fn design(args: &Args, study: &Study, registry: &Registry, terminal: &Terminal) 
     swap::check(&swaps, &whole, (file, &sets), registry).map_err(Failure::Usage)?;
     let n_seeds = args.seeds.or(study.seeds).unwrap_or(20);
     let design = Design {
+        title: study.title.clone(),
         base: file.clone(),
         ranges: study.ranges().chain(args.ranges.iter().cloned()).collect(),
         alternatives: swap::alternatives(&swaps, &study.alternative),

@@ -14,6 +14,8 @@ use std::path::PathBuf;
 /// Everything that decides what the runs give.
 #[derive(Debug)]
 pub struct Design {
+    /// What the study calls itself; empty without one.
+    pub title: String,
     /// The pipeline that all alternatives are made of.
     pub base: PathBuf,
     /// Arguments of `--set`.
@@ -172,6 +174,7 @@ mod tests {
 
     fn design(n_seeds: u64) -> Design {
         Design {
+            title: String::new(),
             base: PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("pipelines/office.toml"),
             sets: vec!["mission.time_limit_s=9.0".into()],
             ranges: vec![range::parse("world.slip.speed=0.0..0.04").unwrap()],

@@ -154,6 +154,7 @@ mod tests {
 
     fn design() -> Design {
         Design {
+            title: String::new(),
             base: "p.toml".into(),
             sets: Vec::new(),
             ranges: Vec::new(),

@@ -42,8 +42,9 @@ pub fn html(design: &Design, fingerprint: &str, results: &Results, summary: &Sum
     }
     failures(&mut body, design, results);
     method(&mut body, design, fingerprint);
-    let title = design.base.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    report::document(&format!("Comparison: {title}"), CSS, &body)
+    let file = design.base.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let title = if design.title.is_empty() { format!("Comparison: {file}") } else { design.title.clone() };
+    report::document(&title, CSS, &body)
 }
 
 fn alternatives(body: &mut String, summary: &Summary) {

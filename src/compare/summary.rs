@@ -206,6 +206,7 @@ mod tests {
     #[test]
     fn differences_are_paired_and_leave_out_pairs_that_only_one_has() {
         let design = Design {
+            title: String::new(),
             base: "p.toml".into(),
             sets: Vec::new(),
             ranges: Vec::new(),
