@@ -203,10 +203,10 @@ fn it_says_what_it_needs_and_refuses_what_cannot_be() {
             "ray_step_deg",
             "relation_m",
             "least_explained",
+            "most_moves",
             "landmark_noise.share",
             "landmark_noise.distance_m",
             "landmark_noise.bearing_deg",
-            "most_moves",
             "cache_file"
         ]
     );
