@@ -27,7 +27,7 @@ use crate::exit::{Exit, Failure};
 use crate::load::{self, Ready};
 use crate::run::on_interrupt;
 use crate::terminal::{Terminal, make_folder_of, write_file};
-use design::{Design, Unready, effective};
+use design::{Design, effective};
 use journal::{Journal, JournalError};
 use progress::Progress;
 use rumbo_core::registry::Registry;
@@ -160,10 +160,11 @@ fn design(args: &Args, study: &Study, registry: &Registry, terminal: &Terminal) 
     // One alternative may not fit together: that is a result. If none does, the command is at fault.
     let mut first = None;
     for run in design.runs().iter().take(design.alternatives.len()) {
-        match design.load(run, registry) {
+        // A world without room for what is drawn is a result, too.
+        let Ok(drawn) = design.drawn(run) else { return Ok(design) };
+        match design.load(run, &drawn, registry) {
             Ok(_) => return Ok(design),
-            Err(Unready::NotDrawn(_)) => return Ok(design),
-            Err(Unready::Refused(refused)) => {
+            Err(refused) => {
                 first.get_or_insert(refused);
             }
         }

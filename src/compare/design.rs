@@ -32,14 +32,6 @@ pub struct Design {
     pub show: Vec<String>,
 }
 
-/// Why a run cannot begin.
-pub enum Unready {
-    /// The pipeline has faults.
-    Refused(Box<Refused>),
-    /// The world has no room for what the study wants.
-    NotDrawn(String),
-}
-
 /// One run of the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Run {
@@ -85,12 +77,12 @@ impl Design {
         self.places.get(run.place).map_or("", |place| &place.name)
     }
 
-    /// Reads the pipeline as this run has it.
-    pub fn load(&self, run: &Run, registry: &Registry) -> Result<Ready, Unready> {
+    /// Reads the pipeline as this run has it, with what was drawn for it.
+    pub fn load(&self, run: &Run, drawn: &[String], registry: &Registry) -> Result<Ready, Refused> {
         let mut sets = self.sets_but_chance(run);
-        sets.extend(self.drawn(run).map_err(Unready::NotDrawn)?);
+        sets.extend_from_slice(drawn);
         sets.push(format!("seed={}", run.seed));
-        load::load(&self.base, &sets, registry).map_err(|refused| Unready::Refused(Box::new(refused)))
+        load::load(&self.base, &sets, registry)
     }
 
     /// A number in hexadecimal digits that changes when the same seed could give another result: of the effective
@@ -121,6 +113,9 @@ impl Design {
     }
 
     /// What is drawn for a run, as arguments of `--set`.
+    ///
+    /// # Errors
+    /// The world has no room for what the study wants.
     pub fn drawn(&self, run: &Run) -> Result<Vec<String>, String> {
         let place = self.places.get(run.place);
         let of_scene = place.into_iter().flat_map(|place| &place.by_study.ranges);
@@ -190,13 +185,17 @@ mod tests {
         let (design, registry) = (design(3), crate::registry().unwrap());
         let runs = design.runs();
         assert_eq!(runs.len(), 6);
+        let load = |run: &Run| {
+            let drawn = design.drawn(run).unwrap();
+            design.load(run, &drawn, &registry).ok().unwrap()
+        };
         let slip = |run: &Run| {
-            let pipeline = effective(&design.load(run, &registry).ok().unwrap());
+            let pipeline = effective(&load(run));
             (pipeline["world"]["slip"]["speed"].as_f64().unwrap(), pipeline["seed"].as_u64().unwrap())
         };
         assert_eq!(slip(&runs[0]), slip(&runs[1]));
         assert_ne!(slip(&runs[0]).0, slip(&runs[2]).0);
-        let a_star = effective(&design.load(&runs[1], &registry).ok().unwrap());
+        let a_star = effective(&load(&runs[1]));
         // The variant's key, and none of the plugin before it.
         assert_eq!(a_star["planner"]["clearance_m"].as_f64(), Some(0.35));
         assert!(a_star["planner"].get("preferred_clearance_m").is_none());

@@ -2,7 +2,7 @@
 
 use rand_xoshiro::rand_core::Rng as _;
 use rumbo_core::rng::Rng;
-use rumbo_kit::cost_field::{StepRule, slow};
+use rumbo_kit::cost_field::{CostField, StepRule, Until};
 use rumbo_kit::distance_field::squared_distance_field;
 use rumbo_kit::map_file::MapImage;
 use rumbo_kit::{GridSize, NEIGHBORS_8};
@@ -116,7 +116,10 @@ impl Ground {
     /// The ways from a place; none where a robot cannot stand there.
     pub fn ways_from(&self, from: [f64; 2]) -> Option<Ways> {
         let source = self.cell(from).filter(|_| self.is_open(from))?;
-        Some(Ways(slow::cost_field(self.size, &self.entries, StepRule::default(), source)))
+        let mut field = CostField::new();
+        field.set_entry_costs(self.size, &self.entries, StepRule::default());
+        field.grow(source, Until::Everywhere, || false).ok()?;
+        Some(Ways(field.to_vec()))
     }
 
     /// A place to stand to which the way has a length in this range, meters, with that way.

@@ -166,17 +166,7 @@ mod tests {
     }
 
     fn result(detail: &str) -> RunResult {
-        let detail = Some(detail.to_owned());
-        RunResult {
-            end: "panicked".into(),
-            detail,
-            start: None,
-            goal: None,
-            straight_m: None,
-            outcome: None,
-            drawn: Vec::new(),
-            as_expected: None,
-        }
+        RunResult::without_drive("panicked", detail.to_owned())
     }
 
     fn scratch(name: &str) -> PathBuf {

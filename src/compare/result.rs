@@ -1,6 +1,6 @@
 //! What one run gives, also one that never drove.
 
-use super::design::{Design, Run, Unready, effective};
+use super::design::{Design, Run, effective};
 use crate::drive::drive_for_figures;
 use crate::load::{Ready, Refused};
 use crate::outcome::Outcome;
@@ -48,7 +48,8 @@ impl RunResult {
         self.outcome.as_ref().is_some_and(|outcome| outcome.reason == EndReason::Interrupted)
     }
 
-    fn without_drive(end: &str, detail: String) -> RunResult {
+    /// A run that never drove.
+    pub fn without_drive(end: &str, detail: String) -> RunResult {
         let end = end.to_owned();
         RunResult {
             end,
@@ -65,13 +66,15 @@ impl RunResult {
 
 /// Does one run; none when it was interrupted.
 pub fn work(design: &Design, run: &Run, registry: &Registry, interrupt: &AtomicBool) -> Option<RunResult> {
-    let drive = || match design.load(run, registry) {
-        Ok(ready) => driven(&ready, design.expect(run), interrupt),
-        Err(Unready::Refused(refused)) => RunResult::without_drive("refused", first_message(&refused)),
-        Err(Unready::NotDrawn(message)) => RunResult::without_drive("not_drawn", message),
+    let drawn = match design.drawn(run) {
+        Ok(drawn) => drawn,
+        Err(message) => return Some(RunResult::without_drive("not_drawn", message)),
     };
-    let mut result = caught(drive);
-    result.drawn = design.drawn(run).unwrap_or_default();
+    let drive = || match design.load(run, &drawn, registry) {
+        Ok(ready) => driven(&ready, design.expect(run), interrupt),
+        Err(refused) => RunResult::without_drive("refused", first_message(&refused)),
+    };
+    let result = RunResult { drawn: drawn.clone(), ..caught(drive) };
     (!result.is_interrupted()).then_some(result)
 }
 

@@ -9,6 +9,7 @@ use rumbo_core::pipeline::{Expect, Mission};
 use rumbo_kit::world_file::load_world;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A place with its missions.
 #[derive(Debug, Clone)]
@@ -46,7 +47,7 @@ pub enum Missions {
     /// The one in a file, as arguments of `--set`.
     Given(Vec<String>),
     /// So many for each seed.
-    Drawn(Box<FreeSpace>, u32),
+    Drawn(Arc<FreeSpace>, u32),
 }
 
 impl Missions {
@@ -95,7 +96,7 @@ impl Place {
             let space = FreeSpace::of(&scene, radius_m)
                 .map_err(|message| format!("{}: {message}", file.display()))?;
             space.note(&mut print);
-            Missions::Drawn(Box::new(space), n_missions)
+            Missions::Drawn(Arc::new(space), n_missions)
         };
         let file = std::path::absolute(file).map_err(|error| format!("{}: {error}", file.display()))?;
         let (file, fingerprint) = (Some(file), print.value());

@@ -29,6 +29,7 @@ pub mod simd;
 mod small_file;
 pub mod spread;
 pub mod trajectory;
+pub mod wall_clock;
 pub mod world_file;
 
 pub use grid_size::{GridSize, NEIGHBORS_8};

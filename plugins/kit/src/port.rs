@@ -1,5 +1,9 @@
 //! The host's side of a line to a device: a serial port, or a bridge to one over TCP.
 
+mod keep_open;
+
+pub use keep_open::keep_open;
+
 use std::io::{Error, ErrorKind, Read as _, Result, Write as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::time::Duration;

@@ -4,7 +4,6 @@
 //! without a port or a clock, `worker` the thread that has both. `emulated` is the robot that is not there: its base and
 //! its devices in a simulated place.
 
-mod clock;
 pub mod emulated;
 mod fits;
 pub mod link;

@@ -20,6 +20,24 @@ pub struct Knowledge {
     pub model: LandmarkModel,
 }
 
+impl Knowledge {
+    /// Ranges that a scanner at a pose on the map would read along these directions of its own frame, meters: infinite where
+    /// nothing is met within `reach_m`, not-a-number where nobody knows.
+    pub fn scan(
+        &self,
+        map_from_sensor: &Pose2,
+        directions: &[[f64; 2]],
+        reach_m: f64,
+        ranges_m: &mut Vec<f64>,
+    ) {
+        let grid_from_sensor = self.grid.grid_from_map() * map_from_sensor;
+        let cell_m = self.surroundings.cell_m();
+        let origin = [grid_from_sensor.translation.x / cell_m, grid_from_sensor.translation.y / cell_m];
+        let heading_rad = grid_from_sensor.rotation.angle();
+        self.surroundings.scan(origin, heading_rad, directions, reach_m, ranges_m);
+    }
+}
+
 /// When landmarks are the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchSettings {

@@ -113,11 +113,7 @@ impl<'a> Views<'a> {
     }
 
     fn view(&self, map_from_base: &Pose2, ranges_m: &mut Vec<f64>) {
-        let grid_from_base = self.known.grid.grid_from_map() * map_from_base;
-        let cell_m = self.known.surroundings.cell_m();
-        let origin = [grid_from_base.translation.x / cell_m, grid_from_base.translation.y / cell_m];
-        let heading_rad = grid_from_base.rotation.angle();
-        self.known.surroundings.scan(origin, heading_rad, &self.directions, self.reach_m, ranges_m);
+        self.known.scan(map_from_base, &self.directions, self.reach_m, ranges_m);
         // What nobody knows cannot be told from anything.
         ranges_m.iter_mut().filter(|range| range.is_nan()).for_each(|range| *range = f64::INFINITY);
     }

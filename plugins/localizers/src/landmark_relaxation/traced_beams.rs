@@ -91,7 +91,7 @@ impl TracedBeams {
             let correction = Pose2::rotation(turns_rad.get(scan).copied().unwrap_or(0.0));
             let map_from_scan_base = map_from_base * part.reference_from_base * correction;
             let map_from_sensor = map_from_scan_base * part.base_from_sensor;
-            part.trace(known, &map_from_sensor, &mut ranges_m);
+            known.scan(&map_from_sensor, &part.directions, part.reach_m, &mut ranges_m);
             let base = map_from_scan_base.translation.vector.into();
             let ends: Vec<Point2> = part.ends(&map_from_sensor, &ranges_m);
             for (idx, (beam, expected_m)) in part.beams.iter().zip(&ranges_m).enumerate() {
@@ -115,14 +115,6 @@ impl TracedBeams {
 }
 
 impl Part {
-    fn trace(&self, known: &Knowledge, map_from_sensor: &Pose2, ranges_m: &mut Vec<f64>) {
-        let grid_from_sensor = known.grid.grid_from_map() * map_from_sensor;
-        let cell_m = known.surroundings.cell_m();
-        let origin = [grid_from_sensor.translation.x / cell_m, grid_from_sensor.translation.y / cell_m];
-        let heading_rad = grid_from_sensor.rotation.angle();
-        known.surroundings.scan(origin, heading_rad, &self.directions, self.reach_m, ranges_m);
-    }
-
     /// Where rays are expected to end, in the map's frame; not-a-number where they do not.
     fn ends(&self, map_from_sensor: &Pose2, ranges_m: &[f64]) -> Vec<Point2> {
         let end = |([x, y], range_m): (&[f64; 2], &f64)| {

@@ -21,6 +21,34 @@ pub enum ErrorGrowth {
     Random,
 }
 
+/// A way of the robot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Way {
+    /// In the map's axes, meters.
+    pub along: Vector2<f64>,
+    /// Turn on the way, radians.
+    pub turn_rad: f64,
+}
+
+impl Way {
+    /// How the pose changes with the odometer's errors of distance (m/m), direction (rad/m) and turn (rad/rad), one a
+    /// column. Half of a heading error that grows on the way acts on the way itself.
+    pub fn by_errors(&self) -> Matrix3<f64> {
+        let across = Vector2::new(-self.along.y, self.along.x);
+        let bends = |rad: f64| Vector3::new(across.x * rad / 2.0, across.y * rad / 2.0, rad);
+        let distance = Vector3::new(self.along.x, self.along.y, 0.0);
+        Matrix3::from_columns(&[distance, bends(self.along.norm()), bends(self.turn_rad)])
+    }
+
+    /// How the pose after the way changes with the pose before it.
+    pub fn by_pose(&self) -> Matrix3<f64> {
+        let mut through = Matrix3::identity();
+        through[(0, 2)] = -self.along.y;
+        through[(1, 2)] = self.along.x;
+        through
+    }
+}
+
 /// How unsure a dead-reckoned pose is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
@@ -46,19 +74,14 @@ impl Uncertainty {
     /// The robot moved by `way` (in the map's axes) and turned by `turn_rad`; `noise` is what the odometer claims:
     /// standard deviations of distance (m/m), direction (rad/m) and turn (rad/rad).
     pub fn advance(&mut self, way: Vector2<f64>, turn_rad: f64, noise: [f64; 3], growth: ErrorGrowth) {
-        let across = Vector2::new(-way.y, way.x);
-        let mut through = Matrix3::identity();
-        through[(0, 2)] = across.x;
-        through[(1, 2)] = across.y;
+        let way = Way { along: way, turn_rad };
+        let (through, by_errors) = (way.by_pose(), way.by_errors());
         self.covariance = through * self.covariance * through.transpose();
         self.drift = through * self.drift;
-        let length_m = way.norm();
-        // Half of a heading error that grows on the way acts on the way itself.
-        let bends = |rad: f64| Vector3::new(across.x * rad / 2.0, across.y * rad / 2.0, rad);
-        let inputs = [Vector3::new(way.x, way.y, 0.0), bends(length_m), bends(turn_rad)];
+        let length_m = way.along.norm();
         let amounts = [length_m, length_m, turn_rad.abs()];
-        for (idx, (input, amount)) in inputs.into_iter().zip(amounts).enumerate() {
-            let effect = input * noise[idx];
+        for (idx, amount) in amounts.into_iter().enumerate() {
+            let effect = by_errors.column(idx) * noise[idx];
             match growth {
                 ErrorGrowth::Constant => {
                     let column = self.drift.column(idx) + effect;

@@ -4,16 +4,9 @@
 //! the other bends every way to the same side. They are worth knowing: scans tell them, and where no landmark is seen
 //! they are all that goes wrong.
 
-use nalgebra::{Matrix3, Vector2, Vector3};
+pub use crate::odometry::propagation::Way;
 
-/// A way of the robot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Way {
-    /// In the map's axes, meters.
-    pub along: Vector2<f64>,
-    /// Turn on the way, radians.
-    pub turn_rad: f64,
-}
+use nalgebra::{Matrix3, Vector3};
 
 /// An odometer is never taken to be better than this, whatever it claims: m/m, rad/m, rad/rad. One that boasts would
 /// outvote landmarks; scans soon tell how good one really is.
@@ -25,23 +18,6 @@ const NEW_SHARE: [f64; 3] = [0.5, 0.5, 1.0];
 const STAYS_M: f64 = 10.0;
 
 impl Way {
-    /// How the pose changes with the odometer's errors of distance (m/m), direction (rad/m) and turn (rad/rad), one a
-    /// column. Half of a heading error that grows on the way acts on the way itself.
-    pub fn by_errors(&self) -> Matrix3<f64> {
-        let across = Vector2::new(-self.along.y, self.along.x);
-        let bends = |rad: f64| Vector3::new(across.x * rad / 2.0, across.y * rad / 2.0, rad);
-        let distance = Vector3::new(self.along.x, self.along.y, 0.0);
-        Matrix3::from_columns(&[distance, bends(self.along.norm()), bends(self.turn_rad)])
-    }
-
-    /// How the pose after the way changes with the pose before it.
-    pub fn by_pose(&self) -> Matrix3<f64> {
-        let mut through = Matrix3::identity();
-        through[(0, 2)] = -self.along.y;
-        through[(1, 2)] = self.along.x;
-        through
-    }
-
     /// Covariance that errors which are new on this way add; `noise` is what the odometer claims of itself.
     pub fn new_errors(&self, noise: [f64; 3]) -> Matrix3<f64> {
         let deviations = Vector3::from(sigmas(noise)).component_mul(&Vector3::from(NEW_SHARE));

@@ -7,10 +7,10 @@ use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Instant;
 
 use rumbo_core::stages::SensorError;
 use rumbo_core::time::{Span, Time};
+use rumbo_kit::wall_clock::WallClock;
 
 use super::driver::{DeviceScan, Settings};
 pub(super) use laser_scan::Interpretation;
@@ -26,7 +26,8 @@ const PATIENCE: Span = Span(10_000_000_000);
 #[derive(Debug)]
 pub(super) struct Live {
     address: String,
-    clock: Clock,
+    /// Since the port was first opened: what only the thread and this sensor know of.
+    clock: WallClock,
     shared: Arc<Shared>,
     worker: Option<JoinHandle<()>>,
 }
@@ -76,22 +77,10 @@ impl Shared {
     }
 }
 
-/// Time since the port was first opened: what only the thread and this sensor know of.
-#[derive(Debug, Clone, Copy)]
-struct Clock {
-    began: Instant,
-}
-
-impl Clock {
-    fn now(self) -> Time {
-        Time(i64::try_from(self.began.elapsed().as_nanos()).unwrap_or(i64::MAX))
-    }
-}
-
 impl Live {
     /// Starts the thread, which opens the port as often as needed. Addresses are those of `port` in the pipeline.
     pub fn start(address: &str, settings: Settings) -> Self {
-        let (shared, clock) = (Arc::new(Shared::default()), Clock { began: Instant::now() });
+        let (shared, clock) = (Arc::new(Shared::default()), WallClock::start());
         let (theirs, there) = (shared.clone(), address.to_owned());
         let worker = std::thread::spawn(move || worker::work(&there, &settings, clock, &theirs));
         Self { address: address.to_owned(), clock, shared, worker: Some(worker) }

@@ -9,8 +9,8 @@ use rumbo_core::rng::{self, RngExt as _};
 use rumbo_core::robot::Robot;
 use rumbo_core::stages::{BuildContext, OwnDevice, Truth, World, WorldError};
 use rumbo_kit::emulation::{Clock, EmulatedDevice, LineFaults, Mounted, Outlet, Served, model, models};
+use rumbo_kit::wall_clock::WallClock;
 
-use super::clock::WallClock;
 use super::params::EmulateParams;
 pub use base::EmulatedBase;
 pub use scene::{Scene, SceneView};

@@ -114,7 +114,7 @@ impl Params for RobotParams {
             faults.push(BuildError::at("give_up_s", message));
         }
         if let Some(start) = &self.start {
-            faults.extend(start_faults("start", start));
+            faults.extend(start.faults("start"));
         }
         faults.extend(self.emulate.iter().flat_map(EmulateParams::check));
         faults
@@ -135,7 +135,7 @@ impl EmulateParams {
 
     /// Every impossible value at once.
     pub fn check(&self) -> Vec<BuildError> {
-        let mut faults = start_faults("emulate.start", &self.start);
+        let mut faults = self.start.faults("emulate.start");
         for (key, n) in [("sonars", self.sonars), ("bumpers", self.bumpers)] {
             if n > MOST_IN_RING {
                 let message = format!("is {n}, expected at most {MOST_IN_RING}");
@@ -155,14 +155,4 @@ impl EmulateParams {
         }
         faults
     }
-}
-
-fn start_faults(key: &str, start: &Start) -> Vec<BuildError> {
-    let numbers = [("x_m", start.x_m), ("y_m", start.y_m), ("yaw_deg", start.yaw_deg)];
-    let wrong = numbers.into_iter().filter(|(_, value)| !value.is_finite());
-    wrong
-        .map(|(part, value)| {
-            BuildError::at(format!("{key}.{part}"), format!("is {value}, expected a finite number"))
-        })
-        .collect()
 }

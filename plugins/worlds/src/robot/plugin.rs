@@ -12,8 +12,8 @@ use rumbo_core::stages::{
 };
 use rumbo_core::time::Time;
 use rumbo_kit::emulation::Outlet;
+use rumbo_kit::wall_clock::WallClock;
 
-use super::clock::WallClock;
 use super::emulated::EmulatedRobot;
 use super::fits::{Cones, check_base};
 use super::params::RobotParams;

@@ -6,15 +6,13 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 
 use rumbo_core::time::{Span, Time};
-use rumbo_kit::port::Port;
+use rumbo_kit::port::{Port, keep_open};
+use rumbo_kit::wall_clock::WallClock;
 
-use super::clock::WallClock;
 use super::link::Link;
 
 /// Between attempts to open a port.
-const REOPEN: Span = Span(500_000_000);
-/// While it waits, the thread looks this often whether it shall stop.
-const LOOK: Duration = Duration::from_millis(20);
+const REOPEN: Duration = Duration::from_millis(500);
 /// The base gets this long to say that it has stopped.
 const MOST_FAREWELL: Span = Span(500_000_000);
 
@@ -68,21 +66,8 @@ impl Drop for Connection {
 }
 
 fn work(address: &str, baud: u32, clock: WallClock, shared: &Shared) {
-    let shall_stop = || shared.shall_stop.load(Ordering::Relaxed);
-    while !shall_stop() {
-        let ended = match Port::open(address, baud) {
-            Ok(port) => serve(port, clock, shared)
-                .map_err(|error| format!("the port is gone ({error}); is the cable plugged in?")),
-            Err(fault) => Err(fault.to_string()),
-        };
-        if let Err(reason) = ended {
-            shared.link().without_port(clock.now(), reason);
-        }
-        let reopens_at = clock.now() + REOPEN;
-        while clock.now() < reopens_at && !shall_stop() {
-            std::thread::sleep(LOOK);
-        }
-    }
+    let trouble = |reason| shared.link().without_port(clock.now(), reason);
+    keep_open(address, baud, REOPEN, &shared.shall_stop, |port| serve(port, clock, shared), trouble);
 }
 
 /// Until it shall stop or the port is gone.

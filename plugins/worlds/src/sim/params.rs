@@ -49,6 +49,19 @@ pub struct Start {
     pub yaw_deg: f64,
 }
 
+impl Start {
+    /// What is no number, at this key.
+    pub fn faults(&self, key: &str) -> Vec<BuildError> {
+        let numbers = [("x_m", self.x_m), ("y_m", self.y_m), ("yaw_deg", self.yaw_deg)];
+        let wrong = numbers.into_iter().filter(|(_, value)| !value.is_finite());
+        wrong
+            .map(|(part, value)| {
+                BuildError::at(format!("{key}.{part}"), format!("is {value}, expected a finite number"))
+            })
+            .collect()
+    }
+}
+
 /// Somebody who keeps in front of the robot and crosses its way to and fro, also through walls: the moving object of
 /// Hernández Alamilla (2005), section 8.5.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -115,13 +128,7 @@ pub(crate) fn slip_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema
 
 impl Params for SimParams {
     fn check(&self) -> Vec<BuildError> {
-        let Start { x_m, y_m, yaw_deg } = self.start;
-        let numbers = [("start.x_m", x_m), ("start.y_m", y_m), ("start.yaw_deg", yaw_deg)];
-        let mut faults: Vec<BuildError> = numbers
-            .into_iter()
-            .filter(|(_, value)| !value.is_finite())
-            .map(|(key, value)| BuildError::at(key, format!("is {value}, expected a finite number")))
-            .collect();
+        let mut faults = self.start.faults("start");
         if self.max_cells == 0 {
             faults.push(BuildError::at("max_cells", "is 0, expected at least 1"));
         }

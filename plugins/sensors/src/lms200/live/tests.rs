@@ -1,5 +1,6 @@
 use std::net::TcpListener;
 use std::time::Duration;
+use std::time::Instant;
 
 use rumbo_core::messages::{Data, Observation, Observations};
 use rumbo_core::registry::Plugin as _;
@@ -71,7 +72,7 @@ impl EmulatedDevice for Numbered {
 }
 
 /// One byte in 50,000 is lost, and one is damaged: about one telegram in 40.
-fn serve(outlet: Outlet, hands: &Arc<Hands>, clock: Clock) -> Served {
+fn serve(outlet: Outlet, hands: &Arc<Hands>, clock: WallClock) -> Served {
     let params = LineFaultParams { loss: 2e-5, flips: 2e-5, ..LineFaultParams::default() };
     let device = Box::new(Numbered::new(hands, clock.now()));
     Served::start(outlet, device, LineFaults::new(params, 5, "line"), Arc::new(move || clock.now())).unwrap()
@@ -80,14 +81,14 @@ fn serve(outlet: Outlet, hands: &Arc<Hands>, clock: Clock) -> Served {
 /// A sensor that is polled, and every scan of it so far looked at.
 struct Watched {
     sensor: Box<dyn Sensor>,
-    clock: Clock,
+    clock: WallClock,
     last: Option<(u64, Time)>,
     n_scans: usize,
     errors: Vec<String>,
 }
 
 impl Watched {
-    fn new(port: &str, clock: Clock) -> Self {
+    fn new(port: &str, clock: WallClock) -> Self {
         let sensor = sensor(port, Lms200Params::default());
         Self { sensor, clock, last: None, n_scans: 0, errors: Vec::new() }
     }
@@ -143,7 +144,7 @@ fn sensor(port: &str, params: Lms200Params) -> Box<dyn Sensor> {
 }
 
 /// Polls for so long, and gives what came and the errors on the way.
-fn poll_for(sensor: &mut dyn Sensor, clock: Clock, seconds: f64) -> (Vec<Observation>, Vec<SensorError>) {
+fn poll_for(sensor: &mut dyn Sensor, clock: WallClock, seconds: f64) -> (Vec<Observation>, Vec<SensorError>) {
     let (mut out, trace, mut errors) = (Observations::default(), Trace::unwatched(), Vec::new());
     let mut world = TestWorld::with_wall(1.0);
     world.is_live = true;
@@ -158,7 +159,7 @@ fn poll_for(sensor: &mut dyn Sensor, clock: Clock, seconds: f64) -> (Vec<Observa
 
 /// A bad line, a plug that is out until the driver has given up, and a loss of power: no wrong scan, and scans after each.
 fn live_through_everything(outlet: Outlet) {
-    let (hands, clock) = (Arc::new(Hands::default()), Clock { began: Instant::now() });
+    let (hands, clock) = (Arc::new(Hands::default()), WallClock::start());
     let served = serve(outlet, &hands, clock);
     let mut watched = Watched::new(served.address(), clock);
     watched.until_scans("at first", 40);
@@ -186,7 +187,7 @@ fn a_device_at_a_serial_port_is_read_in_spite_of_everything() {
 
 #[test]
 fn a_bridge_that_goes_and_comes_again_is_found_again() {
-    let (hands, clock) = (Arc::new(Hands::default()), Clock { began: Instant::now() });
+    let (hands, clock) = (Arc::new(Hands::default()), WallClock::start());
     let served = serve(Outlet::tcp("127.0.0.1:0").unwrap(), &hands, clock);
     let address = served.address().to_owned();
     let mut watched = Watched::new(&address, clock);
@@ -211,7 +212,7 @@ fn a_wrong_device_is_told_from_none() {
             out.extend(b"$GPGGA,123519,4807.038,N*47\r\n");
         }
     }
-    let clock = Clock { began: Instant::now() };
+    let clock = WallClock::start();
     let faults = LineFaults::new(LineFaultParams::default(), 5, "line");
     let outlet = Outlet::tcp("127.0.0.1:0").unwrap();
     let served = Served::start(outlet, Box::new(Other), faults, Arc::new(move || clock.now())).unwrap();
@@ -223,7 +224,7 @@ fn a_wrong_device_is_told_from_none() {
 
 #[test]
 fn without_a_port_or_a_device_the_sensor_says_so() {
-    let clock = Clock { began: Instant::now() };
+    let clock = WallClock::start();
     let mut portless = Lms200Params::default().build(&BuildContext::bare("laser")).unwrap();
     let (found, errors) = poll_for(portless.as_mut(), clock, 0.02);
     assert!(found.is_empty() && errors[0].to_string().contains("`port` does not say"), "{errors:?}");
@@ -240,7 +241,7 @@ fn a_check_opens_no_port() {
     let port = Some(format!("tcp://{}", listener.local_addr().unwrap()));
     let context = BuildContext { dry_run: true, ..BuildContext::bare("laser") };
     let mut sensor = Lms200Params { port, ..Lms200Params::default() }.build(&context).unwrap();
-    let clock = Clock { began: Instant::now() };
+    let clock = WallClock::start();
     assert_eq!(poll_for(sensor.as_mut(), clock, 0.1), (Vec::new(), Vec::new()));
     assert!(listener.accept().is_err());
 }

@@ -4,41 +4,29 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use rumbo_core::time::Span;
-use rumbo_kit::port::Port;
+use rumbo_kit::port::{Port, keep_open};
+use rumbo_kit::wall_clock::WallClock;
 
-use super::{Clock, MOST_WAITING, Shared};
+use super::{MOST_WAITING, Shared};
 use crate::lms200::driver::{Action, Driver, Settings};
 use crate::lms200::protocol::{LineSpeed, MOST_LEN};
 
 /// Between attempts to open a port.
 const REOPEN: Duration = Duration::from_secs(1);
-/// While it waits, the thread looks this often whether it shall stop.
-const LOOK: Duration = Duration::from_millis(20);
 /// The device gets this long to be told that it is over.
 const MOST_FAREWELL: Span = Span(1_000_000_000);
 /// At 500000 baud the device wants at least 55 µs from one byte to the next (telegram listing, chapter 3).
 const BETWEEN_BYTES: Duration = Duration::from_micros(60);
 
 /// Until it shall stop.
-pub(super) fn work(address: &str, settings: &Settings, clock: Clock, shared: &Shared) {
-    while !shared.shall_stop.load(Ordering::Relaxed) {
-        let ended = match Port::open(address, settings.speed.baud()) {
-            Ok(port) => serve(port, Driver::new(settings.clone(), clock.now()), clock, shared)
-                .map_err(|error| format!("the port is gone ({error}); is the cable plugged in?")),
-            Err(fault) => Err(fault.to_string()),
-        };
-        if let Err(reason) = ended {
-            shared.news().note(clock.now(), reason);
-        }
-        let reopens_at = clock.now() + Span(REOPEN.as_nanos() as i64);
-        while clock.now() < reopens_at && !shared.shall_stop.load(Ordering::Relaxed) {
-            std::thread::sleep(LOOK);
-        }
-    }
+pub(super) fn work(address: &str, settings: &Settings, clock: WallClock, shared: &Shared) {
+    let serve = |port| serve(port, Driver::new(settings.clone(), clock.now()), clock, shared);
+    let trouble = |reason| shared.news().note(clock.now(), reason);
+    keep_open(address, settings.speed.baud(), REOPEN, &shared.shall_stop, serve, trouble);
 }
 
 /// Until it shall stop or the port is gone.
-fn serve(mut port: Port, mut driver: Driver, clock: Clock, shared: &Shared) -> std::io::Result<()> {
+fn serve(mut port: Port, mut driver: Driver, clock: WallClock, shared: &Shared) -> std::io::Result<()> {
     let mut buffer = [0u8; MOST_LEN];
     let mut farewell_ends_at = None;
     while !driver.is_stopped() && farewell_ends_at.is_none_or(|end| clock.now() < end) {

@@ -1,4 +1,4 @@
-//! The clock of the wall: the only one here.
+//! The clock of the wall, for what is real: devices, and worlds that run by themselves.
 
 use std::time::{Duration, Instant};
 
@@ -6,15 +6,17 @@ use rumbo_core::time::Time;
 
 /// Time since it was made.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct WallClock {
+pub struct WallClock {
     began: Instant,
 }
 
 impl WallClock {
+    /// Begins now.
     pub fn start() -> Self {
         Self { began: Instant::now() }
     }
 
+    /// Time since then.
     pub fn now(self) -> Time {
         Time(i64::try_from(self.began.elapsed().as_nanos()).unwrap_or(i64::MAX))
     }
