@@ -105,18 +105,19 @@ impl Outlet {
         }
     }
 
-    /// Sends bytes; those that the line does not take in time are lost.
-    pub fn send(&mut self, mut bytes: &[u8]) {
+    /// Sends bytes, and says how many the line did not take in time: they are lost.
+    pub fn send(&mut self, mut bytes: &[u8]) -> usize {
         while !bytes.is_empty() {
             let sent = match self {
                 #[cfg(unix)]
                 Self::Terminal { ours, .. } => ours.write(bytes.get(..BYTES_AT_ONCE).unwrap_or(bytes)),
                 Self::Tcp { host: Some(host), .. } => host.write(bytes),
-                Self::Tcp { host: None, .. } => return,
+                Self::Tcp { host: None, .. } => return bytes.len(),
             };
-            let Ok(n_bytes @ 1..) = sent else { return };
+            let Ok(n_bytes @ 1..) = sent else { return bytes.len() };
             bytes = bytes.get(n_bytes..).unwrap_or_default();
         }
+        0
     }
 
     /// The host is sent away; a pseudo-terminal cannot do that.

@@ -1,7 +1,7 @@
 //! The thread that lets a device live at its outlet.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 
 use rumbo_core::time::Time;
@@ -16,6 +16,7 @@ pub type Clock = Arc<dyn Fn() -> Time + Send + Sync>;
 pub struct Served {
     address: String,
     shall_stop: Arc<AtomicBool>,
+    n_overruns: Arc<AtomicU64>,
     worker: Option<JoinHandle<()>>,
 }
 
@@ -28,15 +29,21 @@ impl Served {
         clock: Clock,
     ) -> std::io::Result<Self> {
         let (address, shall_stop) = (outlet.address(), Arc::new(AtomicBool::new(false)));
-        let theirs = Arc::clone(&shall_stop);
-        let work = move || Line { outlet, device, faults }.serve(&clock, &theirs);
+        let (theirs, n_overruns) = (Arc::clone(&shall_stop), Arc::new(AtomicU64::new(0)));
+        let line = Line { outlet, device, faults, n_overruns: Arc::clone(&n_overruns) };
+        let work = move || line.serve(&clock, &theirs);
         let worker = std::thread::Builder::new().name("emulated device".to_owned()).spawn(work)?;
-        Ok(Self { address, shall_stop, worker: Some(worker) })
+        Ok(Self { address, shall_stop, n_overruns, worker: Some(worker) })
     }
 
     /// What a host opens.
     pub fn address(&self) -> &str {
         &self.address
+    }
+
+    /// How often the host did not take in time what was sent, and lost bytes by it.
+    pub fn n_overruns(&self) -> u64 {
+        self.n_overruns.load(Ordering::Relaxed)
     }
 
     /// It lives: its thread has not panicked.
@@ -59,6 +66,7 @@ struct Line {
     outlet: Outlet,
     device: Box<dyn EmulatedDevice>,
     faults: LineFaults,
+    n_overruns: Arc<AtomicU64>,
 }
 
 impl Line {
@@ -83,8 +91,8 @@ impl Line {
             self.device.transmit(now, baud, &mut bytes);
             self.faults.befall(&mut bytes);
             // Without a plug, or without a host at the other end, what is sent goes nowhere.
-            if !is_unplugged && n_bytes.is_some() {
-                self.outlet.send(&bytes);
+            if !is_unplugged && n_bytes.is_some() && self.outlet.send(&bytes) > 0 {
+                self.n_overruns.fetch_add(1, Ordering::Relaxed);
             }
         }
     }

@@ -7,6 +7,7 @@ use super::dead_reckoning::{Way, sigmas};
 use super::landmark_errors::LandmarkErrors;
 use super::linearized::{OFFSETS, Rows, deviations, residual_at};
 use super::mapped_marks::{MappedMark, MappedMarks, Slot};
+use super::misfit::Misfit;
 use super::sighting::{Sighting, offset_variances};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector2, Vector3};
 use rumbo_core::frames::{Point2, Pose2, pose2, wrap_angle};
@@ -22,6 +23,7 @@ pub struct Joint {
     /// Something is known of them beyond what the odometer claims.
     is_odometer_known: bool,
     marks: MappedMarks,
+    misfit: Misfit,
     /// Of x, y, yaw, then of the odometer's three errors, then of two numbers for each place.
     covariance: DMatrix<f64>,
 }
@@ -35,6 +37,8 @@ pub struct Posterior {
     pub n_possible: usize,
     /// Sightings that are explained.
     pub n_fit: usize,
+    /// Mean of the squared deviations of those that may be what they seem.
+    squared_deviation: f64,
 }
 
 impl Posterior {
@@ -63,6 +67,7 @@ impl Joint {
             odometer: Vector3::zeros(),
             is_odometer_known: false,
             marks: MappedMarks::default(),
+            misfit: Misfit::default(),
             covariance: full,
         }
     }
@@ -218,7 +223,7 @@ impl Joint {
         let mut solved = None;
         for _ in 0..N_STEPS {
             let rows = Rows::at(&possible, (&prior, &state), &self.covariance, base_from_sensor);
-            let (gain, shrunk) = rows.gain(&self.covariance, &possible, &weights)?;
+            let (gain, shrunk) = rows.gain(&self.covariance, &possible, &weights, self.misfit.factor())?;
             let step = &prior + gain * rows.innovation() - &state;
             state += &step;
             solved = Some(shrunk);
@@ -234,7 +239,9 @@ impl Joint {
         let off = |sighting: &Sighting| residual_at(sighting, &state, base_from_sensor).off;
         let fits = |sighting: &&Sighting| deviations(&off(sighting), &sighting.covariance) <= FIT;
         let n_fit = sightings.iter().filter(fits).count();
-        Some(Posterior { covariance: solved?, n_possible: possible.len(), n_fit, state })
+        let squared = |sighting: &&Sighting| deviations(&off(sighting), &sighting.covariance).powi(2);
+        let squared_deviation = possible.iter().map(squared).sum::<f64>() / possible.len().max(1) as f64;
+        Some(Posterior { covariance: solved?, n_possible: possible.len(), n_fit, squared_deviation, state })
     }
 
     /// It lies within what the pose so far and the errors let expect.
@@ -251,7 +258,8 @@ impl Joint {
 
     /// Takes over what sightings lead to.
     pub fn accept(&mut self, posterior: Posterior) {
-        let Posterior { state, covariance, .. } = posterior;
+        let Posterior { state, covariance, squared_deviation, .. } = posterior;
+        self.misfit.note(squared_deviation);
         self.pose = Vector3::new(state[0], state[1], wrap_angle(state[2]));
         self.odometer = state.fixed_rows::<3>(3).into_owned();
         self.marks

@@ -54,17 +54,19 @@ impl Rows {
         deviations(&self.innovation.fixed_rows::<2>(0).into_owned(), &spread)
     }
 
-    /// The gain and the covariance afterwards; `weights` of sightings count down outliers.
+    /// The gain and the covariance afterwards; `weights` of sightings count down outliers, and all have a covariance so
+    /// many times (`factor`) theirs.
     pub fn gain(
         &self,
         covariance: &DMatrix<f64>,
         sightings: &[&Sighting],
         weights: &[f64],
+        factor: f64,
     ) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
         let mut spread = &self.by_state_covariance * self.by_state.transpose();
         for (k, (sighting, weight)) in sightings.iter().zip(weights).enumerate() {
             let mut part = spread.fixed_view_mut::<2, 2>(2 * k, 2 * k);
-            part += sighting.covariance / *weight;
+            part += sighting.covariance * (factor / *weight);
         }
         let inverse_times = spread.cholesky()?.solve(&self.by_state_covariance);
         let shrunk = covariance - self.by_state_covariance.transpose() * &inverse_times;

@@ -23,6 +23,7 @@ pub mod on_map;
 pub mod correspondence;
 pub mod landmark_errors;
 pub mod mapped_marks;
+mod misfit;
 
 pub mod dead_reckoning;
 pub mod joint;

@@ -124,8 +124,13 @@ fn the_covariance_means_what_it_says() {
         let (mean, beyond) = nees(&outcomes);
         assert!((1.5..4.0).contains(&mean) && beyond < 0.04, "{map}: {mean} {beyond}");
     }
-    let (mean, _) = nees(&drives("10x10", &with_noise(0.2), &Hardship::default(), 20));
-    assert!((1.5..4.5).contains(&mean), "with noise on landmarks: {mean}");
+    for share in [0.2, 0.6] {
+        let (mean, beyond) = nees(&drives("10x10", &with_noise(share), &Hardship::default(), 20));
+        assert!(
+            (1.5..4.0).contains(&mean) && beyond < 0.04,
+            "noise on {share} of the landmarks: {mean} {beyond}"
+        );
+    }
 }
 
 #[test]

@@ -1,4 +1,8 @@
+use std::collections::BTreeSet;
+use std::f64::consts::FRAC_PI_2;
 use std::net::TcpListener;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicU64;
 use std::time::Duration;
 use std::time::Instant;
 
@@ -11,7 +15,7 @@ use rumbo_kit::emulation::{EmulatedDevice, LineFaultParams, LineFaults, Outlet, 
 use super::*;
 use crate::lms200::Lms200Params;
 use crate::lms200::emulator::{Emulator, Faults};
-use crate::lms200::protocol::LineSpeed;
+use crate::lms200::protocol::{Decoder, LineSpeed, Reply, Telegram, Token};
 use crate::test_world::{TestWorld, given};
 
 /// Nothing here takes longer, however busy the machine is.
@@ -27,13 +31,28 @@ fn range_m(number: u64, bearing_rad: f64) -> f64 {
 struct Numbered {
     emulator: Emulator,
     hands: Arc<Hands>,
+    /// What has left the device, as somebody reads it who is never held up.
+    left: Decoder,
+    /// Scans that have left since the call before.
+    just_left: Vec<u64>,
+    last_call: Time,
+    last_held_up: Time,
 }
+
+/// The device sends its bytes no further apart than this, or its scan does not count: a host may give it up.
+const MOST_HELD_UP: Span = Span(15_000_000);
+/// Longer than a scan is on its way.
+const ON_ITS_WAY: Span = Span(40_000_000);
 
 /// What a test does to a device.
 #[derive(Debug, Default)]
 struct Hands {
     pull_plug: AtomicBool,
     switch_off_and_on: AtomicBool,
+    /// Share of bytes that are lost, and of those that are damaged, on the way from the device: in millionths.
+    damage_ppm: AtomicU64,
+    /// Numbers of the scans that left the device whole and without a pause.
+    whole: Mutex<Vec<u64>>,
 }
 
 impl Numbered {
@@ -46,7 +65,28 @@ impl Numbered {
             Some((range_m(number, bearing_rad), 0))
         };
         let emulator = Emulator::new(Box::new(ranges), Faults::none(8), now);
-        Self { emulator, hands: Arc::clone(hands) }
+        let hands = Arc::clone(hands);
+        let left = Decoder::default();
+        Self { emulator, hands, left, just_left: Vec::new(), last_call: now, last_held_up: now }
+    }
+
+    /// A scan is whole when all its bytes leave in time, those of the call before too.
+    fn note_whole(&mut self, now: Time, sent: &[u8]) {
+        if now - self.last_call > MOST_HELD_UP {
+            self.last_held_up = now;
+        }
+        self.last_call = now;
+        let just_left = std::mem::take(&mut self.just_left);
+        if now - self.last_held_up > ON_ITS_WAY {
+            self.hands.whole.lock().unwrap().extend(just_left);
+        }
+        self.left.push(sent);
+        while let Some(token) = self.left.next() {
+            let Token::Frame(payload) = token else { continue };
+            if let Ok(Telegram { reply: Reply::Scan(measured), .. }) = Telegram::of_payload(&payload) {
+                self.just_left.extend(number_of(f64::from(measured.words[0]) / 1000.0, -FRAC_PI_2));
+            }
+        }
     }
 
     fn speed(&self, baud: Option<u32>) -> LineSpeed {
@@ -64,11 +104,20 @@ impl EmulatedDevice for Numbered {
         if self.hands.switch_off_and_on.swap(false, Ordering::Relaxed) {
             self.emulator.switch_on(now);
         }
+        let damage = self.hands.damage_ppm.load(Ordering::Relaxed) as f64 * 1e-6;
+        (self.emulator.faults.flip, self.emulator.faults.drop) = (damage, damage);
         // A terminal that nobody has opened yet has some speed that the device does not know.
+        let n_before = out.len();
         if baud.is_none_or(|baud| LineSpeed::of_baud(baud).is_some()) {
             self.emulator.transmit(now, self.speed(baud), out);
         }
+        self.note_whole(now, &out[n_before..]);
     }
+}
+
+/// The scan whose value at this bearing is so far.
+fn number_of(seen_m: f64, bearing_rad: f64) -> Option<u64> {
+    (0..4001).find(|number| (seen_m - range_m(*number, bearing_rad)).abs() < 1e-6)
 }
 
 /// One byte in 50,000 is lost, and one is damaged: about one telegram in 40.
@@ -84,13 +133,14 @@ struct Watched {
     clock: WallClock,
     last: Option<(u64, Time)>,
     n_scans: usize,
+    numbers: BTreeSet<u64>,
     errors: Vec<String>,
 }
 
 impl Watched {
     fn new(port: &str, clock: WallClock) -> Self {
         let sensor = sensor(port, Lms200Params::default());
-        Self { sensor, clock, last: None, n_scans: 0, errors: Vec::new() }
+        Self { sensor, clock, last: None, n_scans: 0, numbers: BTreeSet::new(), errors: Vec::new() }
     }
 
     fn until(&mut self, what: &str, mut is_done: impl FnMut(&Self) -> bool) {
@@ -110,9 +160,7 @@ impl Watched {
     fn look_at(&mut self, observation: &Observation) {
         let Data::LaserScan(scan) = &observation.data else { panic!() };
         assert_eq!((scan.ranges_m.len(), observation.valid), (361, true));
-        let number =
-            (0..4001).find(|number| is_near(scan.ranges_m[0], range_m(*number, scan.bearing_rad(0))));
-        let number = number.unwrap();
+        let number = number_of(f64::from(scan.ranges_m[0]), scan.bearing_rad(0)).unwrap();
         for (idx, range) in scan.ranges_m.iter().enumerate() {
             assert!(is_near(*range, range_m(number, scan.bearing_rad(idx))), "scan {number}, beam {idx}");
         }
@@ -120,6 +168,7 @@ impl Watched {
             assert!(number > last && observation.stamp > stamp, "scan {number} after {last}");
         }
         self.last = Some((number, observation.stamp));
+        self.numbers.insert(number);
         self.n_scans += 1;
     }
 
@@ -172,6 +221,46 @@ fn live_through_everything(outlet: Outlet) {
     watched.until_error("after a loss of power");
     watched.until_scans("set up anew", 20);
     assert!(served.is_alive());
+}
+
+/// Five seconds of a bad line, with the plug out twice: whatever left the device whole is delivered.
+fn deliver_all(outlet: Outlet) {
+    let (hands, clock) = (Arc::new(Hands::default()), WallClock::start());
+    let device = Box::new(Numbered::new(&hands, clock.now()));
+    let faults = LineFaults::new(LineFaultParams::default(), 5, "line");
+    let served = Served::start(outlet, device, faults, Arc::new(move || clock.now())).unwrap();
+    let mut watched = Watched::new(served.address(), clock);
+    watched.until_scans("at first", 2);
+    let first = watched.last.unwrap().0;
+    hands.damage_ppm.store(40, Ordering::Relaxed);
+    let began = clock.now();
+    watched.until("for five seconds", |_| {
+        let since_s = (clock.now() - began).as_secs();
+        hands
+            .pull_plug
+            .store((1.5..1.8).contains(&since_s) || (3.2..3.3).contains(&since_s), Ordering::Relaxed);
+        since_s > 5.0
+    });
+    hands.damage_ppm.store(0, Ordering::Relaxed);
+    watched.until_scans("at the end", 2);
+    let last = watched.last.unwrap().0;
+    assert_eq!(watched.errors, [] as [String; 0], "it streams all the time");
+    let whole = hands.whole.lock().unwrap();
+    let counted = whole.iter().filter(|number| (first..=last).contains(number));
+    let n_missing = counted.clone().filter(|number| !watched.numbers.contains(number)).count() as u64;
+    assert!(n_missing <= 2 * served.n_overruns(), "{n_missing} of {}", counted.count());
+    assert!(last - first > watched.n_scans as u64, "some came to harm");
+}
+
+#[test]
+fn all_good_scans_of_a_device_behind_a_bridge_are_delivered() {
+    deliver_all(Outlet::tcp("127.0.0.1:0").unwrap());
+}
+
+#[cfg(unix)]
+#[test]
+fn all_good_scans_of_a_device_at_a_serial_port_are_delivered() {
+    deliver_all(Outlet::terminal().unwrap());
 }
 
 #[test]
@@ -270,7 +359,7 @@ fn values_become_ranges_with_their_reasons_and_levels() {
     let hanging = read(true);
     assert!(hanging.ranges_m[180].is_infinite() && hanging.ranges_m[179].is_nan());
     assert_eq!((hanging.ranges_m[177], hanging.intensities[177]), (1.0, 7.0));
-    assert!((hanging.first_bearing_rad + std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    assert!((hanging.first_bearing_rad + FRAC_PI_2).abs() < 1e-12);
 }
 
 #[test]

@@ -48,10 +48,12 @@ fn serve(mut port: Port, mut driver: Driver, clock: WallClock, shared: &Shared) 
                 }
             }
         }
+        // Should this thread be held up, then bytes may wait: the line is known to be silent until here only.
+        let silent_until = clock.now();
         let n_bytes = port.receive(&mut buffer)?;
         let now = clock.now();
         driver.receive(now, buffer.get(..n_bytes).unwrap_or_default());
-        driver.tick(now);
+        driver.tick(silent_until);
         if !driver.is_streaming()
             && let Some(fault) = driver.last_fault()
         {
