@@ -14,7 +14,7 @@ pub enum Drive {
         /// Distance between the wheels, meters.
         track_m: f64,
     },
-    /// One steered, driven wheel in front of a fixed axle; the base frame is at the middle of the axle.
+    /// One steered, driven wheel before or behind a fixed axle; the base frame is at the middle of the axle.
     Tricycle {
         /// From the axle to the steered wheel, meters.
         wheelbase_m: f64,
@@ -24,9 +24,23 @@ pub enum Drive {
         max_steer_deg: f64,
         /// Fastest change of the steering angle, degrees per second.
         max_steer_rate_deg_s: f64,
+        /// Where the steered wheel is.
+        #[serde(default)]
+        steered: SteeredWheel,
     },
     /// Moves in every direction and turns at the same time.
     Omnidirectional {},
+}
+
+/// Where the steered wheel of a tricycle is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SteeredWheel {
+    /// Before the axle, as on a child's tricycle.
+    #[default]
+    Front,
+    /// Behind the axle, as on a forklift.
+    Rear,
 }
 
 /// The kind of a [`Drive`], which plugins declare they can steer.
@@ -74,6 +88,16 @@ impl Drive {
                 (wheelbase_m / max_steer_deg.to_radians().tan()).max(0.0)
             }
             _ => 0.0,
+        }
+    }
+
+    /// Where the steered wheel of a tricycle is, meters ahead of the axle: negative behind it. Steering to `angle` turns the
+    /// base by `forward_m_s * angle.tan()` over this.
+    pub fn steered_ahead_m(&self) -> Option<f64> {
+        match *self {
+            Drive::Tricycle { wheelbase_m, steered: SteeredWheel::Front, .. } => Some(wheelbase_m),
+            Drive::Tricycle { wheelbase_m, steered: SteeredWheel::Rear, .. } => Some(-wheelbase_m),
+            _ => None,
         }
     }
 
@@ -246,7 +270,7 @@ impl Robot {
         above("guard.stale_after_s", self.guard.stale_after_s, 0.0);
         match self.drive {
             Drive::Differential { track_m } => above("drive.track_m", track_m, 0.0),
-            Drive::Tricycle { wheelbase_m, track_m, max_steer_deg, max_steer_rate_deg_s } => {
+            Drive::Tricycle { wheelbase_m, track_m, max_steer_deg, max_steer_rate_deg_s, .. } => {
                 above("drive.wheelbase_m", wheelbase_m, 0.0);
                 above("drive.track_m", track_m, 0.0);
                 above("drive.max_steer_deg", max_steer_deg, 0.0);
@@ -309,11 +333,13 @@ mod tests {
             track_m: 0.8,
             max_steer_deg: 45.0,
             max_steer_rate_deg_s: 60.0,
+            steered: SteeredWheel::Rear,
         };
         assert!((drive.turning_radius_m() - 1.0).abs() < 1e-12);
         let twist = drive.feasible(Twist::new(-0.5, 2.0));
         assert!(twist.forward_m_s == -0.5 && (twist.turn_rad_s - 0.5).abs() < 1e-12);
         assert_eq!(drive.feasible(Twist::new(0.0, 1.0)).turn_rad_s, 0.0);
+        assert_eq!(drive.steered_ahead_m(), Some(-1.0));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::props::Props;
 use super::turn::Turn;
 use rumbo_core::map::Layer;
 use rumbo_core::registry::{Built, Entry, Manifest, Stage};
-use rumbo_core::robot::{Drive, DriveKind, Robot};
+use rumbo_core::robot::{Drive, DriveKind, Robot, SteeredWheel};
 use rumbo_core::stages::{BuildContext, BuildError};
 use std::sync::Arc;
 
@@ -128,6 +128,7 @@ impl Subject {
                 track_m: 0.36,
                 max_steer_deg: 60.0,
                 max_steer_rate_deg_s: 90.0,
+                steered: SteeredWheel::Front,
             },
             Some(DriveKind::Omnidirectional) => Drive::Omnidirectional {},
             _ => return Robot::default(),

@@ -46,11 +46,17 @@ impl Engine {
         let twist = match self.navigator.state {
             State::Localizing => self.wish.steer(self.track.now()),
             State::Navigating if self.navigator.path.is_some() => self.ask_avoider(),
+            State::Waiting if self.script.is_some() => self.drive_by_script(),
             State::Waiting if self.wanders => self.ask_avoider(),
             _ => Twist::ZERO,
         };
         self.times.add(Part::Avoider, clock);
         twist
+    }
+
+    fn drive_by_script(&mut self) -> Twist {
+        let Some(script) = &mut self.script else { return Twist::ZERO };
+        script.steer(self.now, &mut self.navigator, &mut self.events)
     }
 
     fn ask_avoider(&mut self) -> Twist {

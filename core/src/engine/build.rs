@@ -5,6 +5,7 @@ use super::guard::Guard;
 use super::navigator::Navigator;
 use super::ring::Ring;
 use super::schedule::Schedule;
+use super::scripted::ScriptedDrive;
 use super::seats::{localization, odometer, planning, seat, sensors, task, watched};
 use super::step::Engine;
 use super::wish::WishMotion;
@@ -134,6 +135,7 @@ impl Engine {
 
     fn with_world(builder: &Builder<'_>, world: Box<dyn World>) -> Result<Engine, EngineError> {
         let pipeline = builder.pipeline;
+        let script = ScriptedDrive::of(pipeline)?;
         let mut schedule = Schedule::from(world.now());
         let ring = Ring::new(RING, pipeline.odometer.is_some());
         let sensors = sensors(builder, &mut schedule)?;
@@ -177,10 +179,11 @@ impl Engine {
             times: Default::default(),
             step: 0,
             n_new: 0,
-            wanders: pipeline.mission.waypoints.is_empty(),
+            wanders: pipeline.mission.waypoints.is_empty() && script.is_none(),
             needed_layers: if pipeline.slam.is_some() { Vec::new() } else { pipeline.wanted_layers() },
             duration: pipeline.duration_s.map(Span::from_secs),
-            has_mission: !pipeline.mission.waypoints.is_empty(),
+            has_mission: !pipeline.mission.waypoints.is_empty() || script.is_some(),
+            script,
             status: crate::messages::Status::Lost,
             not_actuated: false,
             now: world.now(),

@@ -1,6 +1,7 @@
 //! Everything that the plugins of a pipeline have against being built.
 
 use super::build::{Builder, EngineError};
+use super::scripted::ScriptedDrive;
 use super::step::Engine;
 use crate::frames::Pose3;
 use crate::map::Map;
@@ -35,6 +36,7 @@ impl Engine {
 
 fn one_by_one(mut builder: Builder<'_>, is_sound: &impl Fn(&str) -> bool, errors: &mut Vec<EngineError>) {
     let pipeline = builder.pipeline;
+    errors.extend(ScriptedDrive::of(pipeline).err());
     let mut has_world = false;
     if is_sound(&pipeline.world.name) {
         match builder.stage::<Box<dyn World>>(&pipeline.world) {

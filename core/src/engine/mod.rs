@@ -22,6 +22,7 @@ mod planning;
 mod ring;
 mod run;
 mod schedule;
+mod scripted;
 mod seat;
 mod seats;
 mod sense;

@@ -15,6 +15,8 @@ use std::collections::VecDeque;
 pub enum Outcome {
     /// All goals were reached.
     Arrived,
+    /// A scripted drive is over.
+    Driven,
     /// A goal cannot be reached.
     Unreachable(String),
     /// Many plans, no progress.

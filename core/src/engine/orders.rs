@@ -88,6 +88,7 @@ impl Engine {
         match order {
             Order::GoTo(goals) => {
                 self.has_mission = true;
+                self.script = None;
                 self.navigator.go(self.now, goals, &mut self.events);
             }
             Order::SetPose { map_from_base, covariance } => {

@@ -33,7 +33,7 @@ pub enum EndReason {
     StageFailed,
     /// The recording is over.
     Ended,
-    /// `duration_s` is over.
+    /// `duration_s`, or a scripted drive, is over.
     Finished,
     /// The mission took longer than `time_limit_s`.
     TimeLimit,
@@ -176,6 +176,7 @@ impl Drop for Engine {
 fn end_of(outcome: Outcome) -> RunEnd {
     match outcome {
         Outcome::Arrived => RunEnd::new(EndReason::Arrived, None),
+        Outcome::Driven => RunEnd::new(EndReason::Finished, None),
         Outcome::Unreachable(reason) => RunEnd::new(EndReason::Unreachable, Some(reason)),
         Outcome::Stuck(reason) => RunEnd::new(EndReason::Stuck, Some(reason)),
         Outcome::TimedOut => RunEnd::new(EndReason::Timeout, None),

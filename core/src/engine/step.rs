@@ -10,6 +10,7 @@ use super::order::{Order, State};
 use super::planning::Planning;
 use super::ring::{Filter, Ring};
 use super::schedule::{Schedule, TaskId};
+use super::scripted::ScriptedDrive;
 use super::seat::Seat;
 use super::sense::SensorSeat;
 use super::timing::{Part, StageTimes};
@@ -57,6 +58,7 @@ pub struct Engine {
     pub(super) pending: Vec<Goal>,
     pub(super) has_mission: bool,
     pub(super) wanders: bool,
+    pub(super) script: Option<ScriptedDrive>,
     pub(super) duration: Option<Span>,
     pub(super) wish: WishMotion,
     pub(super) status: Status,

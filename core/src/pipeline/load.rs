@@ -73,7 +73,7 @@ impl Loaded {
         let is_sound = |name: &str| self.draft.section(name).is_none_or(|section| section.is_sound);
         let (errors, engine) = Engine::build_faults(pipeline, is_sound);
         for error in &errors {
-            found.push(self.draft.build_fault(&error.section, &error.error));
+            found.push(self.build_fault(&error.section, &error.error));
         }
         for fault in engine.iter().flat_map(|engine| engine.waypoint_faults()) {
             let path = format!("mission.waypoints[{}]", fault.index);
@@ -125,12 +125,14 @@ fn replace(table: &mut crate::document::Table, path: &str, original: &Node, node
     }
 }
 
-impl Draft {
-    /// What a plugin said when it was built, at its place in the file.
+impl Loaded {
+    /// What a plugin, or the mission, said when it was built, at its place in the file.
     fn build_fault(&self, name: &str, error: &BuildError) -> Fault {
-        match self.section(name) {
-            Some(section) => section.plugin_fault(error),
-            None => Fault::new(FaultCode::Plugin, join_path(name, &error.path), None, error.message.clone()),
+        if let Some(section) = self.draft.section(name) {
+            return section.plugin_fault(error);
         }
+        let path = join_path(name, &error.path);
+        let place = self.document.root.nearest(&path).origin;
+        Fault::new(FaultCode::Plugin, path, place, error.message.clone())
     }
 }

@@ -2,6 +2,7 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// A place to pass or to reach.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -51,6 +52,11 @@ pub enum WellKnownPose {
 pub struct Mission {
     /// Where to go, one after the other.
     pub waypoints: Vec<Waypoint>,
+    /// A scripted drive instead of waypoints: a table (CSV) with the columns `t_s`, `forward_m_s`, `turn_deg_s` and, for
+    /// robots that can, `left_m_s`, relative to the pipeline's folder. Each velocity holds until the next, as far as the
+    /// guard lets it; the drive ends at the last `t_s`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub commands: Option<PathBuf>,
     /// Within this distance of a waypoint that is not the last one the robot goes on to the next, meters; 0 means that
     /// it arrives at each.
     pub switch_radius_m: f64,
@@ -83,6 +89,7 @@ impl Default for Mission {
     fn default() -> Self {
         Mission {
             waypoints: Vec::new(),
+            commands: None,
             switch_radius_m: 0.0,
             arrival_radius_m: 0.10,
             goal_timeout_s: None,

@@ -11,6 +11,7 @@ mod mission;
 mod own_sections;
 mod reserved;
 mod schema;
+mod script;
 mod seat;
 mod section;
 mod sensors;
@@ -22,6 +23,7 @@ pub use mission::{Expect, InitialPose, Mission, PipelineTest, Waypoint, WellKnow
 pub use own_sections::{Head, RecordTo};
 pub use reserved::{Mount, Reserved};
 pub use schema::schema;
+pub use script::{Script, ScriptError};
 pub use seat::Seat;
 pub use spec::{Pipeline, Rate, SensorSpec, StageSpec};
 

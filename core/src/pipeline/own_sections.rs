@@ -141,6 +141,11 @@ pub(super) fn mission(node: Option<&Node>, faults: &mut Faults) -> Mission {
     let wrong_least = at_least.into_iter().filter(|(_, number)| number.is_some_and(|number| number < 0.0));
     let wrong =
         wrong_above.map(|wrong| (wrong, "above 0")).chain(wrong_least.map(|wrong| (wrong, "at least 0")));
+    if value.commands.is_some() && !value.waypoints.is_empty() {
+        let message = "stands beside waypoints; a mission has the one or the other".to_owned();
+        let place = node.nearest("commands").origin;
+        faults.push(Fault::new(FaultCode::BadValue, "mission.commands", place, message));
+    }
     for ((key, number), expected) in wrong {
         let message = format!("is {}, expected {expected}", number.unwrap_or_default());
         let place = node.nearest(key).origin;

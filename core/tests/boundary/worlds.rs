@@ -4,7 +4,7 @@ use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Pose2, Pose3, Twist, lift, pose2};
 use rumbo_core::map::{Grid, GridHeader, Landmark, Landmarks, Line, Lines, Map, VoxelChunk, Voxels};
 use rumbo_core::messages::*;
-use rumbo_core::robot::{Drive, Robot};
+use rumbo_core::robot::{Drive, Robot, SteeredWheel};
 use rumbo_core::stages::{Advance, Answer, Attitude, Drove, Probe, WheelMotion, World, WorldError};
 use rumbo_core::time::Time;
 
@@ -234,6 +234,7 @@ pub fn odd_robot() -> Robot {
             track_m: 0.8,
             max_steer_deg: 70.0,
             max_steer_rate_deg_s: 45.0,
+            steered: SteeredWheel::Rear,
         },
         radius_m: 0.9,
         footprint_m: vec![[-0.5, -0.4], [1.2, -0.4], [1.2, 0.4], [-0.5, 0.4]],

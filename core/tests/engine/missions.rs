@@ -307,3 +307,69 @@ fn orders_go_through_one_door_and_wrong_ones_change_nothing() {
     engine.step();
     assert_eq!((engine.view().state, engine.view().n_goals_left), (State::Waiting, 0));
 }
+
+/// A file of this text, for as long as it lives.
+struct ScriptFile(PathBuf);
+
+impl ScriptFile {
+    fn of(name: &str, text: &str) -> ScriptFile {
+        let path = std::env::temp_dir().join(format!("rumbo-{}-{name}.csv", std::process::id()));
+        std::fs::write(&path, text).unwrap();
+        ScriptFile(path)
+    }
+}
+
+impl Drop for ScriptFile {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.0);
+    }
+}
+
+fn scripted(name: &str, file: &ScriptFile) -> Pipeline {
+    with(name, |p| {
+        (p.planner, p.avoider) = (None, None);
+        p.mission = Mission { commands: Some(file.0.clone()), ..Mission::default() };
+    })
+}
+
+#[test]
+fn a_scripted_drive_is_driven_and_then_the_run_is_finished() {
+    let file = ScriptFile::of("drive", "t_s,forward_m_s,turn_deg_s\n0,0.2,0\n5,0.2,20\n7,0,0\n");
+    let (end, summary, events) = run(&scripted("scripted", &file));
+    assert_eq!((end.reason, end.detail), (EndReason::Finished, None));
+    assert!((summary.time_s - 7.0).abs() < 0.11, "{}", summary.time_s);
+    // 1.4 m but for what the robot needs to speed up.
+    assert!((1.25..1.41).contains(&summary.path_m), "{}", summary.path_m);
+    assert_eq!(events.count(|e| matches!(e, EventKind::GoalAccepted(_))), 0);
+}
+
+#[test]
+fn a_script_that_cannot_be_read_is_a_fault_of_the_mission() {
+    let file = ScriptFile::of("bad", "t_s,forward_m_s,turn_deg_s\n0,much,0\n");
+    for (folder, expected) in
+        [(file.0.clone(), "forward_m_s is `much`"), ("nowhere.csv".into(), "cannot read")]
+    {
+        let mut pipeline = scripted("bad script", &file);
+        pipeline.mission.commands = Some(folder);
+        let error = Engine::build(&pipeline).err().unwrap();
+        assert_eq!((error.section.as_str(), error.error.path.as_str()), ("mission", "commands"));
+        assert!(error.error.message.contains(expected), "{error}");
+    }
+}
+
+#[test]
+fn an_order_to_go_somewhere_ends_a_scripted_drive() {
+    let file = ScriptFile::of("order", "t_s,forward_m_s,turn_deg_s\n0,0.0,0\n500,0,0\n");
+    let pipeline =
+        with("ordered", |p| p.mission = Mission { commands: Some(file.0.clone()), ..Mission::default() });
+    let mut engine = Engine::build(&pipeline).unwrap();
+    for _ in 0..20 {
+        engine.step();
+    }
+    engine.command(Order::GoTo(vec![Goal {
+        position: rumbo_core::frames::Point2::new(3.0, 1.0),
+        yaw_rad: None,
+    }]));
+    let end = engine.run(&mut [], &AtomicBool::new(false));
+    assert_eq!(end.reason, EndReason::Arrived);
+}

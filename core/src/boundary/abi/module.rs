@@ -239,6 +239,10 @@ pub struct rumbo_robot {
     pub guard_latency_s: f64,
     /// Age at which data are stale, seconds.
     pub guard_stale_after_s: f64,
+    /// Tricycle: 1 where the steered wheel is behind the axle (since 1.1).
+    pub is_steered_behind: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 /// A flag that long work looks at: `give_up_is_raised`; `give_up_retain` and `give_up_release` to keep it.

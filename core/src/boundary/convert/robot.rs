@@ -5,7 +5,7 @@ use super::BadView;
 use super::basic::read;
 use super::observation::slice;
 use crate::boundary::abi::*;
-use crate::robot::{Drive, GuardParams, Robot};
+use crate::robot::{Drive, GuardParams, Robot, SteeredWheel};
 use std::sync::Arc;
 
 /// A robot with its view, made anew only when it is another one.
@@ -59,16 +59,19 @@ fn view_of(robot: &Robot, corners: &[rumbo_point]) -> rumbo_robot {
         guard_margin_m: robot.guard.margin_m,
         guard_latency_s: robot.guard.latency_s,
         guard_stale_after_s: robot.guard.stale_after_s,
+        is_steered_behind: 0,
+        reserved: 0,
     };
     match robot.drive {
         Drive::Differential { track_m } => view.track_m = track_m,
         Drive::Omnidirectional {} => view.drive = RUMBO_OMNIDIRECTIONAL,
-        Drive::Tricycle { wheelbase_m, track_m, max_steer_deg, max_steer_rate_deg_s } => {
+        Drive::Tricycle { wheelbase_m, track_m, max_steer_deg, max_steer_rate_deg_s, steered } => {
             view.drive = RUMBO_TRICYCLE;
             view.wheelbase_m = wheelbase_m;
             view.track_m = track_m;
             view.max_steer_deg = max_steer_deg;
             view.max_steer_rate_deg_s = max_steer_rate_deg_s;
+            view.is_steered_behind = u32::from(steered == SteeredWheel::Rear);
         }
     }
     view
@@ -92,6 +95,7 @@ pub(crate) unsafe fn robot_from(
             track_m: view.track_m,
             max_steer_deg: view.max_steer_deg,
             max_steer_rate_deg_s: view.max_steer_rate_deg_s,
+            steered: if view.is_steered_behind == 0 { SteeredWheel::Front } else { SteeredWheel::Rear },
         },
         other => {
             return Err(BadView::new(format!(

@@ -2,7 +2,7 @@ use super::*;
 use crate::boundary::Buffer;
 use crate::frames::Pose3;
 use crate::messages::{Data, LaserScan};
-use crate::robot::Drive;
+use crate::robot::{Drive, SteeredWheel};
 
 const LASER: SensorId = SensorId(0);
 const PERIOD: Span = Span(100_000_000);
@@ -155,8 +155,13 @@ fn an_old_scan_and_a_failed_stage_stop_the_robot() {
 
 #[test]
 fn a_tricycle_is_never_told_to_turn_in_place() {
-    let drive =
-        Drive::Tricycle { wheelbase_m: 1.0, track_m: 0.8, max_steer_deg: 45.0, max_steer_rate_deg_s: 60.0 };
+    let drive = Drive::Tricycle {
+        wheelbase_m: 1.0,
+        track_m: 0.8,
+        max_steer_deg: 45.0,
+        max_steer_rate_deg_s: 60.0,
+        steered: SteeredWheel::Front,
+    };
     let (mut guard, mut events) = driving(Robot { drive, ..Robot::default() }, Twist::ZERO);
     let twist = guard.limit(Twist::new(0.0, 0.5), &situation(20.0), &mut events);
     assert_eq!(twist, Twist::ZERO);

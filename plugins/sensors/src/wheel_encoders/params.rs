@@ -17,6 +17,8 @@ pub struct WheelEncodersParams {
     pub position_step_m: f64,
     /// Step of the reported heading, degrees; 0 reports exactly. A Nomad Super Scout II has 0.1.
     pub heading_step_deg: f64,
+    /// Standard deviation of each wheel's speed between two reports, m/s.
+    pub speed_noise_m_s: f64,
     /// Standard deviation of the distance that the report claims, meters per meter.
     pub claimed_distance: f64,
     /// Standard deviation of the direction that the report claims, degrees per meter.
@@ -31,6 +33,7 @@ impl Default for WheelEncodersParams {
             wheel_step_m: 0.0,
             position_step_m: 0.0,
             heading_step_deg: 0.0,
+            speed_noise_m_s: 0.0,
             claimed_distance: 0.02,
             claimed_direction_deg_m: 0.5,
             claimed_turn: 0.02,
@@ -44,6 +47,7 @@ impl Params for WheelEncodersParams {
             ("wheel_step_m", self.wheel_step_m),
             ("position_step_m", self.position_step_m),
             ("heading_step_deg", self.heading_step_deg),
+            ("speed_noise_m_s", self.speed_noise_m_s),
             ("claimed_distance", self.claimed_distance),
             ("claimed_direction_deg_m", self.claimed_direction_deg_m),
             ("claimed_turn", self.claimed_turn),

@@ -1,10 +1,12 @@
 //! The wheel encoders as a sensor of the framework.
 
+use rand_distr::{Distribution as _, StandardNormal};
 use rumbo_core::frames::Twist;
 use rumbo_core::messages::{Data, MessageFault, Observation, ObservationKind, Observations, Odometry};
 use rumbo_core::registry::{Manifest, Params, Plugin};
+use rumbo_core::rng::Rng;
 use rumbo_core::stages::{
-    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World, WorldError,
+    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, WheelMotion, World, WorldError,
 };
 use rumbo_core::time::Time;
 
@@ -21,6 +23,10 @@ pub struct WheelEncoders {
     noise: [f64; 3],
     last: Option<Time>,
     twist: Twist,
+    speed_noise_m_s: f64,
+    /// What the wheels count too much by noise, meters.
+    miscounted_m: [f64; 2],
+    rng: Rng,
 }
 
 impl Plugin<dyn Sensor> for WheelEncodersParams {
@@ -44,7 +50,24 @@ impl Plugin<dyn Sensor> for WheelEncodersParams {
             noise,
             last: None,
             twist: Twist::ZERO,
+            speed_noise_m_s: self.speed_noise_m_s,
+            miscounted_m: [0.0; 2],
+            rng: context.rng(),
         }))
+    }
+}
+
+impl WheelEncoders {
+    /// What noisy encoders count of what the wheels rolled.
+    fn miscounted(&mut self, mut wheels: WheelMotion, seconds: f64) -> WheelMotion {
+        if self.speed_noise_m_s > 0.0 {
+            for (rolled_m, by_m) in wheels.rolled_m.iter_mut().zip(&mut self.miscounted_m) {
+                let error: f64 = StandardNormal.sample(&mut self.rng);
+                *by_m += self.speed_noise_m_s * error * seconds.max(0.0);
+                *rolled_m += *by_m;
+            }
+        }
+        wheels
     }
 }
 
@@ -81,8 +104,9 @@ impl Sensor for WheelEncoders {
             }
             .into());
         }
-        let moved = self.odometer.update(&wheels);
         let seconds = self.last.map_or(0.0, |last| (cx.now - last).as_secs());
+        let counted = self.miscounted(wheels, seconds);
+        let moved = self.odometer.update(&counted);
         if seconds > 0.0 {
             self.twist = moved.scaled(1.0 / seconds);
         }

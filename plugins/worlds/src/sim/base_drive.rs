@@ -98,20 +98,21 @@ impl BaseDrive {
 
     /// Turns the steered wheel towards the wanted curve; mean and final turn of the base.
     fn steer(&mut self, forward: (f64, f64), seconds: f64) -> (f64, f64) {
-        let Drive::Tricycle { wheelbase_m, max_steer_deg, max_steer_rate_deg_s, .. } = self.drive else {
+        let Drive::Tricycle { max_steer_deg, max_steer_rate_deg_s, .. } = self.drive else {
             return (0.0, 0.0);
         };
+        let Some(ahead_m) = self.drive.steered_ahead_m() else { return (0.0, 0.0) };
         let most = max_steer_deg.to_radians();
         // At rest the wheel stays where it is: no angle turns a standing tricycle.
         let target = if self.wanted.forward_m_s.abs() < 1e-9 {
             self.wheels.steering_rad
         } else {
-            (self.wanted.turn_rad_s * wheelbase_m / self.wanted.forward_m_s).atan().clamp(-most, most)
+            (self.wanted.turn_rad_s * ahead_m / self.wanted.forward_m_s).atan().clamp(-most, most)
         };
         let rate = max_steer_rate_deg_s.to_radians();
         let (mean, end) = ramp(self.wheels.steering_rad, target, rate, seconds);
         self.wheels.steering_rad = end;
-        (forward.0 * mean.tan() / wheelbase_m, forward.1 * end.tan() / wheelbase_m)
+        (forward.0 * mean.tan() / ahead_m, forward.1 * end.tan() / ahead_m)
     }
 
     /// Counts what the wheels rolled in `seconds` at this velocity.
@@ -142,6 +143,7 @@ impl BaseDrive {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rumbo_core::robot::SteeredWheel;
 
     const LIMITS: DriveLimits = DriveLimits {
         speed_m_s: 1.0,
@@ -196,6 +198,7 @@ mod tests {
             track_m: 0.8,
             max_steer_deg: 60.0,
             max_steer_rate_deg_s: 30.0,
+            steered: SteeredWheel::Front,
         };
         let mut drive = BaseDrive::new(tricycle, LIMITS);
         drive.want(Twist::new(0.5, 0.5));
@@ -207,6 +210,27 @@ mod tests {
         drive.want(Twist::new(0.0, 1.0));
         drive.accelerate(1.0);
         assert_eq!(drive.twist.turn_rad_s, 0.0, "a standing tricycle does not turn");
+    }
+
+    /// The other way about, a wheel behind the axle points to the outside of the curve.
+    #[test]
+    fn a_forklift_steers_with_its_rear_wheel() {
+        let forklift = Drive::Tricycle {
+            wheelbase_m: 1.3,
+            track_m: 0.9,
+            max_steer_deg: 60.0,
+            max_steer_rate_deg_s: 90.0,
+            steered: SteeredWheel::Rear,
+        };
+        let mut drive = BaseDrive::new(forklift, LIMITS);
+        drive.want(Twist::new(0.5, 0.2));
+        drive.accelerate(2.0);
+        assert!((drive.wheels.steering_rad - (-1.3f64 * 0.2 / 0.5).atan()).abs() < 1e-12);
+        assert!((drive.twist.turn_rad_s - 0.2).abs() < 1e-12);
+        drive.want(Twist::new(-0.5, 0.2));
+        drive.accelerate(4.0);
+        assert!((drive.wheels.steering_rad - (1.3f64 * 0.2 / 0.5).atan()).abs() < 1e-12, "backwards");
+        assert!((drive.twist.turn_rad_s - 0.2).abs() < 1e-12);
     }
 
     #[test]

@@ -29,6 +29,36 @@ fn the_report_starts_at_zero_and_carries_the_speed() {
 }
 
 #[test]
+fn each_wheel_s_speed_has_the_noise_it_is_said_to_have() {
+    let params = WheelEncodersParams { speed_noise_m_s: 0.02, ..WheelEncodersParams::default() };
+    let mut sensor = params.build(&BuildContext::bare("sensor")).unwrap();
+    let (mut world, mut out, trace) =
+        (TestWorld::with_wall(1.0), Observations::default(), Trace::unwatched());
+    for tick in 0..20_000 {
+        let rolled_m = 0.05 * tick as f64;
+        world.wheels = WheelMotion { rolled_m: [rolled_m, rolled_m, 0.0, 0.0], ..WheelMotion::default() };
+        sensor.poll(&mut Cx { now: Time(tick * 50_000_000), trace: &trace }, &mut world, &mut out).unwrap();
+    }
+    let twists: Vec<Twist> = given(&out)
+        .iter()
+        .skip(1)
+        .map(|observation| match observation.data {
+            Data::Odometry(odometry) => odometry.twist,
+            _ => Twist::ZERO,
+        })
+        .collect();
+    let track_m = match BuildContext::bare("sensor").robot.drive {
+        rumbo_core::robot::Drive::Differential { track_m } => track_m,
+        _ => f64::NAN,
+    };
+    for side in [-1.0, 1.0] {
+        let error = |twist: &Twist| twist.forward_m_s + side * twist.turn_rad_s * track_m / 2.0 - 1.0;
+        let variance = twists.iter().map(|twist| error(twist).powi(2)).sum::<f64>() / twists.len() as f64;
+        assert!((variance.sqrt() - 0.02).abs() < 4e-4, "{}", variance.sqrt());
+    }
+}
+
+#[test]
 fn two_polls_at_one_time_keep_the_speed() {
     let mut sensor = WheelEncodersParams::default().build(&BuildContext::bare("sensor")).unwrap();
     let (mut world, mut out, trace) =

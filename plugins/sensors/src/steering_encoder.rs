@@ -1,0 +1,6 @@
+//! `steering_encoder`: the angle of a tricycle's steered wheel.
+
+mod params;
+mod plugin;
+
+pub use params::SteeringEncoderParams;
