@@ -202,6 +202,10 @@ impl Avoider for PurePursuit {
             Motion::CannotFollow => Ok(self.block(Twist::new(self.params.least_m_s, 0.0), input)),
             Motion::Turn(twist) => Ok(self.turn(cx.now, twist, input, &odom_from_base)),
             Motion::Drive(twist) => self.drive(cx.now, twist, input, &odom_from_base),
+            Motion::TurnAround { around, needs_m, back } => {
+                let has_room = self.way.free(around).along_m >= needs_m;
+                self.drive(cx.now, if has_room { around } else { back }, input, &odom_from_base)
+            }
         }
     }
 }

@@ -50,6 +50,16 @@ pub enum Motion {
     Turn(Twist),
     /// Drive along an arc.
     Drive(Twist),
+    /// The path is behind: back up so that the robot turns to it, where there is room for so many meters of that; else back
+    /// along the path.
+    TurnAround {
+        /// Backwards, turning.
+        around: Twist,
+        /// The way that needs.
+        needs_m: f64,
+        /// Backwards along the path.
+        back: Twist,
+    },
     /// This robot cannot follow this path.
     CannotFollow,
 }
@@ -73,8 +83,9 @@ pub struct Pursuit {
     tuning: PursuitTuning,
     route: Route,
     gait: Gait,
-    /// Distance backed without a change, meters.
+    /// Distance backed without coming along the path, meters; and how far it has come.
     backed_m: f64,
+    come_m: f64,
     last: Option<Point2>,
 }
 
@@ -89,7 +100,7 @@ impl Pursuit {
 
     /// A robot without a path.
     pub fn new(tuning: PursuitTuning) -> Pursuit {
-        Pursuit { tuning, route: Route::default(), gait: Gait::Ahead, backed_m: 0.0, last: None }
+        Pursuit { tuning, route: Route::default(), gait: Gait::Ahead, backed_m: 0.0, come_m: 0.0, last: None }
     }
 
     /// The path that is followed.
@@ -100,7 +111,7 @@ impl Pursuit {
     /// Begins a path.
     pub fn follow(&mut self, path: &rumbo_core::messages::Path) {
         self.route.follow(path);
-        (self.gait, self.backed_m, self.last) = (Gait::Ahead, 0.0, None);
+        (self.gait, self.backed_m, self.come_m, self.last) = (Gait::Ahead, 0.0, 0.0, None);
     }
 
     /// What to do at this pose and velocity.
@@ -124,14 +135,17 @@ impl Pursuit {
             Gait::Turning => Motion::Turn(Twist::new(0.0, self.turn_rate(bearing_rad))),
             Gait::Backing if !self.tuning.backs_up => Motion::CannotFollow,
             Gait::Backing if self.backed_m > Self::MOST_RADII * self.tuning.radius_m => Motion::CannotFollow,
-            Gait::Backing => Motion::Drive(self.back_up(target, bearing_rad)),
+            Gait::Backing => self.back_up(target, bearing_rad),
             _ => Motion::Drive(self.arc(target, self.route.left_m().max(end_m))),
         }
     }
 
     fn count_backing(&mut self, position: Point2) {
         let moved_m = self.last.replace(position).map_or(0.0, |last| (position - last).norm());
-        self.backed_m = if self.gait == Gait::Backing { self.backed_m + moved_m } else { 0.0 };
+        // Along the path backwards it gets somewhere.
+        let is_in_vain = self.gait == Gait::Backing && self.route.come_m() <= self.come_m;
+        self.come_m = self.route.come_m();
+        self.backed_m = if is_in_vain { self.backed_m + moved_m } else { 0.0 };
     }
 
     fn choose_gait(&mut self, target: Point2, bearing_rad: f64, arrival_radius_m: f64) {
@@ -179,17 +193,27 @@ impl Pursuit {
         Twist::new(speed_m_s, speed_m_s * curvature)
     }
 
-    /// Backwards: straight where the point lies beside the robot, else so that the robot turns towards it.
-    fn back_up(&self, target: Point2, bearing_rad: f64) -> Twist {
+    /// Backwards: straight where the point is ahead but too near, else so that the robot turns towards it, or after it.
+    fn back_up(&self, target: Point2, bearing_rad: f64) -> Motion {
         let tuning = &self.tuning;
-        let is_near = target.coords.norm() <= 2.0 * tuning.radius_m;
-        let curvature = match bearing_rad.abs() > Self::BEHIND_RAD {
-            true if is_near => self.feasible(2.0 * target.y / target.coords.norm_squared().max(1e-6)),
-            true => -1.0f64.copysign(bearing_rad) / tuning.radius_m,
-            false if bearing_rad.abs() < Self::AHEAD_RAD => 0.0,
-            false => -1.0f64.copysign(bearing_rad) / tuning.radius_m,
-        };
-        let speed_m_s = tuning.backing_m_s.min(tuning.turn_rad_s / curvature.abs().max(1e-9));
+        let is_behind = bearing_rad.abs() > Self::BEHIND_RAD;
+        if bearing_rad.abs() < Self::AHEAD_RAD {
+            return Motion::Drive(self.backwards(0.0));
+        }
+        let around = self.backwards(-1.0f64.copysign(bearing_rad) / tuning.radius_m);
+        if !is_behind {
+            return Motion::Drive(around);
+        }
+        let back = self.backwards(self.feasible(2.0 * target.y / target.coords.norm_squared().max(1e-6)));
+        if target.coords.norm() <= 2.0 * tuning.radius_m && self.is_at_the_end(target) {
+            return Motion::Drive(back);
+        }
+        let needs_m = (bearing_rad.abs() - Self::AHEAD_RAD) * tuning.radius_m;
+        Motion::TurnAround { around, needs_m, back }
+    }
+
+    fn backwards(&self, curvature: f64) -> Twist {
+        let speed_m_s = self.tuning.backing_m_s.min(self.tuning.turn_rad_s / curvature.abs().max(1e-9));
         Twist::new(-speed_m_s, -speed_m_s * curvature)
     }
 

@@ -76,6 +76,11 @@ impl Route {
         self.yaw_rad
     }
 
+    /// How far along the path the robot has come, meters.
+    pub fn come_m(&self) -> f64 {
+        self.come_m
+    }
+
     /// From the nearest point to the end, along the path, meters.
     pub fn left_m(&self) -> f64 {
         self.corners.last().map_or(0.0, |(_, along_m)| along_m - self.come_m)

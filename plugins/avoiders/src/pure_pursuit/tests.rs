@@ -42,13 +42,27 @@ struct Driven {
 }
 
 fn drive(robot: &Robot, params: &PurePursuitParams, start: Pose2, path: &Path) -> Driven {
+    drive_where(true, robot, params, start, path)
+}
+
+/// Where there is room to turn around, or not.
+fn drive_where(
+    has_room: bool,
+    robot: &Robot,
+    params: &PurePursuitParams,
+    start: Pose2,
+    path: &Path,
+) -> Driven {
     let mut pursuit = Pursuit::new(params.pursuit(robot));
     pursuit.follow(path);
     let (mut pose, mut twist, mut places, mut twists) = (start, Twist::ZERO, Vec::new(), Vec::new());
     for k in 0..6000 {
         let motion = pursuit.steer(&pose, twist, ARRIVAL_RADIUS_M);
-        let (Motion::Drive(wanted) | Motion::Turn(wanted)) = motion else {
-            return Driven { pose, time_s: f64::from(k) * STEP_S, places, twists, motion };
+        let wanted = match motion {
+            Motion::Drive(wanted) | Motion::Turn(wanted) => wanted,
+            Motion::TurnAround { around, .. } if has_room => around,
+            Motion::TurnAround { back, .. } => back,
+            _ => return Driven { pose, time_s: f64::from(k) * STEP_S, places, twists, motion },
         };
         assert!(wanted.speed_m_s() <= robot.max_speed_m_s + 1e-12, "{wanted:?}");
         assert!(wanted.turn_rad_s.abs() <= robot.max_turn_rad_s() + 1e-12, "{wanted:?}");
@@ -146,6 +160,14 @@ fn a_forklift_reaches_what_is_beside_and_behind_it() {
     let ahead_only = PurePursuitParams { backs_up: false, ..PurePursuitParams::default() };
     let behind = drive(&robot, &ahead_only, pose2(0.0, 0.0, 0.0), &path(&[(0.0, 0.0), (-3.0, 0.0)]));
     assert_eq!(behind.motion, Motion::CannotFollow);
+}
+
+#[test]
+fn a_forklift_in_an_aisle_backs_out_of_it() {
+    let way = path(&[(0.0, 0.0), (-6.0, 0.0), (-6.0, 3.0)]);
+    let driven = drive_where(false, &forklift(), &PurePursuitParams::default(), pose2(0.0, 0.0, 0.0), &way);
+    assert_eq!(driven.motion, Motion::Arrived);
+    assert!(driven.places.iter().all(|place| place.x < -4.5 || place.y.abs() < 0.1), "straight back");
 }
 
 #[test]
