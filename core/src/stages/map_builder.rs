@@ -13,7 +13,7 @@ pub trait MapBuilder: Send {
     fn insert(&mut self, cx: &mut Cx<'_>, input: &MapInput<'_>, map: &mut Map) -> Result<(), MapError>;
 
     /// Asked when somebody saves the map: brings what only a whole visit tells into `map`, which is what will be saved, and
-    /// gives what must be kept beside it until the next visit. `None` where there is no such thing. May be asked again;
+    /// gives what must be kept beside it until the next visit; no bytes are as good as `None`. May be asked again;
     /// the builder itself goes on as if nobody had.
     fn save(&self, _map: &mut Map) -> Result<Option<Vec<u8>>, MapError> {
         Ok(None)
