@@ -157,7 +157,9 @@ fn saves(subject: &Subject) -> Verdict {
     let asked = asked.insert_all(&part(after))?;
     let found = || "it saves something else when it was asked half way before".into();
     expect(first == save(&asked)?, found, "the same")?;
-    Ok(first.1.map_or_else(|| "nothing beside the map".into(), |kept| format!("{} bytes beside it", kept.len())))
+    Ok(first
+        .1
+        .map_or_else(|| "nothing beside the map".into(), |kept| format!("{} bytes beside it", kept.len())))
 }
 
 fn symmetric(subject: &Subject) -> Verdict {

@@ -77,7 +77,8 @@ fn a_failure_keeps_its_status_and_its_words() {
 
 #[test]
 fn what_a_map_builder_keeps_is_given_or_the_reason_told() {
-    let save = |how: &str| match configured(Stage::MapBuilder, how).build(&BuildContext::bare("map")).unwrap() {
+    let save = |how: &str| match configured(Stage::MapBuilder, how).build(&BuildContext::bare("map")).unwrap()
+    {
         Built::MapBuilder(builder) => builder.save(&mut Map::default()).map_err(|error| error.to_string()),
         _ => panic!("no map builder"),
     };

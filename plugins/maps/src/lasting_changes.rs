@@ -17,7 +17,7 @@ mod visit;
 
 pub use beams::{Beam, BeamFan, cells_on};
 pub use conclusion::{Conclusion, Removal, Rules, conclude};
-pub use evidence::{CellEvidence, Verdict, VisitRules, is_rare};
+pub use evidence::{CellEvidence, Verdict, VisitRules};
 pub use memory::{CellMemory, Memory};
 pub use memory_file::{MemoryFault, memory_bytes, memory_of};
 pub use params::{LastingChangesParams, RemovalRule};

@@ -14,6 +14,16 @@ pub struct Beam {
     pub is_hit: bool,
 }
 
+impl Beam {
+    /// The point so many cells behind its end.
+    pub fn behind_end(&self, cells: f64) -> [f64; 2] {
+        let way = [self.to[0] - self.from[0], self.to[1] - self.from[1]];
+        let length = way[0].hypot(way[1]);
+        let part = if length > 0.0 { cells / length } else { 0.0 };
+        [self.to[0] + part * way[0], self.to[1] + part * way[1]]
+    }
+}
+
 /// The beams of one scan. Kept between scans, so that a warm one allocates nothing.
 #[derive(Debug, Clone, Default)]
 pub struct BeamFan {

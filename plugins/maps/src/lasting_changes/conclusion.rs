@@ -1,6 +1,6 @@
 //! The end of a visit: which cells differ from the map, and which have done so often enough.
 
-use super::evidence::{Verdict, is_rare};
+use super::evidence::Verdict;
 use super::memory::Memory;
 use super::raster::Raster;
 use super::visit::Visit;
@@ -38,8 +38,10 @@ pub struct Conclusion {
     pub n_confirmed: usize,
 }
 
-/// A cell with less than a quarter of the hits of one beside it is where the scatter of that one's readings ends.
-const LEAST_OF_NEIGHBOR: u32 = 4;
+/// A cell with less than a third of the hits of one beside it is where the scatter of that one's readings ends.
+const LEAST_OF_NEIGHBOR: u32 = 3;
+/// So many scans may end where nothing stands.
+const STRAY_HITS: u16 = 1;
 /// A thing that is gone was met before when one in so many of its cells was: of a solid one a laser meets the rim.
 const CELLS_A_MET_ONE: usize = 20;
 
@@ -126,12 +128,12 @@ impl Look<'_> {
         })
     }
 
-    /// Beams go through it, and hardly any ends in it or beside it. A wall that beams graze, and a thin thing that most of
-    /// them miss, are met by others.
+    /// Beams go through it, and none ends in it or beside it but for a stray one. A wall that most beams graze, and a thin
+    /// thing that most of them miss, are met by others.
     fn is_seen_through(&self, index: usize) -> bool {
-        let here = self.visit.evidence(index);
-        let is_rare_at = |beside: usize| is_rare(self.visit.evidence(beside).n_hits(), here.n_passes());
-        here.verdict(self.visit.rules()) == Some(Verdict::Free) && self.raster.around(index).all(is_rare_at)
+        let is_clear = |index: usize| self.visit.evidence(index).n_hits() <= STRAY_HITS;
+        let here = self.visit.evidence(index).verdict(self.visit.rules());
+        here == Some(Verdict::Free) && is_clear(index) && self.raster.around(index).all(is_clear)
     }
 
     /// Cells that the map has and that are gone.

@@ -93,7 +93,7 @@ impl CellEvidence {
 }
 
 /// So few scans ended there that they say nothing against those that saw through.
-pub fn is_rare(n_hits: u16, n_passes: u16) -> bool {
+fn is_rare(n_hits: u16, n_passes: u16) -> bool {
     const PASSES_A_HIT: u32 = 10;
     u32::from(n_hits) * PASSES_A_HIT <= u32::from(n_passes)
 }

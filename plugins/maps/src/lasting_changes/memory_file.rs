@@ -22,7 +22,9 @@ pub enum MemoryFault {
     #[error("this is no memory of visits; `rumbo map` writes one beside the map")]
     Foreign,
     /// Written by a later version.
-    #[error("its version is {found}, this program reads {VERSION}; take the program that wrote it, or begin anew without it")]
+    #[error(
+        "its version is {found}, this program reads {VERSION}; take the program that wrote it, or begin anew without it"
+    )]
     Version {
         /// The version.
         found: u32,
@@ -133,7 +135,8 @@ fn parts(mut rest: &[u8]) -> Option<(Place<'_>, Memory)> {
         memory.cells.insert(index, cell);
     }
     let bits = take(&mut rest, n_cells.div_ceil(8))?;
-    memory.was_met = (0..n_cells).map(|cell| bits.get(cell / 8).is_some_and(|bits| bits >> (cell % 8) & 1 == 1)).collect();
+    memory.was_met =
+        (0..n_cells).map(|cell| bits.get(cell / 8).is_some_and(|bits| bits >> (cell % 8) & 1 == 1)).collect();
     (rest.len() == size_of::<u32>()).then_some((Place { fingerprint, size, resolution_m, corner }, memory))
 }
 

@@ -76,7 +76,7 @@ impl Default for LastingChangesParams {
             scan_angle_deg: 4.0,
             max_end_std_m: 0.04,
             max_range_m: 8.0,
-            min_explained: 0.4,
+            min_explained: 0.6,
             max_pose_age_s: 0.2,
         }
     }

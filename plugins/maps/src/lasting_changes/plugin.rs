@@ -116,11 +116,13 @@ fn grid_of(map: &mut Map) -> Result<&mut Grid, MapError> {
 impl MapBuilder for LastingChanges {
     fn start(&mut self, map: &mut Map) -> Result<(), MapError> {
         if !map.coarse_grids.is_empty() {
-            let message = "the map has coarser grids, so it is made from scans already; correct one that is loaded";
+            let message =
+                "the map has coarser grids, so it is made from scans already; correct one that is loaded";
             return Err(MapError::Other(message.to_owned()));
         }
         let grid = grid_of(map)?;
-        let no_cell = || MapError::Other("the map has no known cell, so there is nothing to correct".to_owned());
+        let no_cell =
+            || MapError::Other("the map has no known cell, so there is nothing to correct".to_owned());
         let raster = Raster::of(grid).ok_or_else(no_cell)?;
         let (memory, raster) = match &self.given {
             None => (Memory::blank(raster.size().n_cells()), raster),

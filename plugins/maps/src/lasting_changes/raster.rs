@@ -90,8 +90,7 @@ impl Raster {
 
     /// The cell at a point, cells from the corner.
     pub fn cell_at(&self, [x, y]: [f64; 2]) -> Option<usize> {
-        let is_inside =
-            x >= 0.0 && y >= 0.0 && x < self.size.width as f64 && y < self.size.height as f64;
+        let is_inside = x >= 0.0 && y >= 0.0 && x < self.size.width as f64 && y < self.size.height as f64;
         is_inside.then(|| self.size.index(x as usize, y as usize))
     }
 

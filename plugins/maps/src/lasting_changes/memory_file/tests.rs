@@ -18,7 +18,9 @@ fn raster() -> Raster {
 
 fn memory() -> Memory {
     let mut memory = Memory { n_visits: 7, ..Memory::blank(12) };
-    memory.cells.insert(2, CellMemory { learned: Some(Verdict::Occupied), occupied_visits: 0, free_visits: 0 });
+    memory
+        .cells
+        .insert(2, CellMemory { learned: Some(Verdict::Occupied), occupied_visits: 0, free_visits: 0 });
     memory.cells.insert(5, CellMemory { learned: Some(Verdict::Free), occupied_visits: 2, free_visits: 0 });
     memory.cells.insert(11, CellMemory { learned: None, occupied_visits: 0, free_visits: 1 });
     memory.was_met[5] = true;
@@ -65,8 +67,12 @@ fn it_comes_back_with_the_map_that_the_visits_began_with_and_with_the_one_that_w
 #[test]
 fn unknown_cells_around_the_known_ones_change_nothing() {
     let bytes = memory_bytes(&memory(), &raster());
-    let header =
-        GridHeader { width: 6, height: 4, origin: [0.5, 2.0, 0.0], ..*Grid::unknown(6, 4, 0.5).unwrap().header() };
+    let header = GridHeader {
+        width: 6,
+        height: 4,
+        origin: [0.5, 2.0, 0.0],
+        ..*Grid::unknown(6, 4, 0.5).unwrap().header()
+    };
     let mut cells = Buffer::zeroed(24);
     for (index, value) in grid().cells.iter().enumerate() {
         cells.make_mut()[index / 4 * 6 + index % 4 + 1] = *value;

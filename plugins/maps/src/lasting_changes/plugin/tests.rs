@@ -4,7 +4,7 @@ use super::*;
 use crate::lasting_changes::RemovalRule;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use rumbo_core::frames::{Point2, Pose3, pose2};
+use rumbo_core::frames::{Pose3, pose2};
 use rumbo_core::messages::{Data, Seen};
 use rumbo_core::trace::Trace;
 use rumbo_kit::GridSize;
@@ -50,7 +50,8 @@ fn occupied(map: &Map) -> Vec<u8> {
 
 /// Round the room, and back a little off.
 fn way() -> Vec<Pose2> {
-    let corners = [[0.6, 0.6], [0.6, 3.9], [4.0, 3.9], [6.3, 3.7], [6.3, 0.7], [4.0, 0.7], [3.8, 2.4], [1.0, 2.2]];
+    let corners: [[f64; 2]; 8] =
+        [[0.6, 0.6], [0.6, 3.9], [4.0, 3.9], [6.3, 3.7], [6.3, 0.7], [4.0, 0.7], [3.8, 2.4], [1.0, 2.2]];
     let mut poses = Vec::new();
     for ends in corners.windows(2) {
         let [from, to] = [ends[0], ends[1]];
@@ -76,7 +77,7 @@ struct Conditions {
     /// Standard deviation that the estimate claims along x and y, meters.
     claimed_m: f64,
     status: Status,
-    /// The estimate is off by this along x, meters.
+    /// The estimate is off by this along x and y, meters.
     off_m: f64,
 }
 
@@ -108,7 +109,9 @@ fn drive(builder: &mut dyn MapBuilder, map: &mut Map, world: &[u8], conditions: 
     for (k, pose) in way().into_iter().enumerate() {
         let mut cells = world.to_vec();
         let walker = [66 + 5 * (k % 12), 44, 6, 6];
-        for [col, row, n_cols, n_rows] in conditions.walks.then_some(walker).into_iter().chain(conditions.stands) {
+        for [col, row, n_cols, n_rows] in
+            conditions.walks.then_some(walker).into_iter().chain(conditions.stands)
+        {
             for row in row..row + n_rows {
                 cells[SIZE.index(col, row)..][..n_cols].fill(1);
             }
@@ -116,20 +119,41 @@ fn drive(builder: &mut dyn MapBuilder, map: &mut Map, world: &[u8], conditions: 
         let scan = scan(&RayGrid::new(SIZE, &cells), &pose, &mut rng);
         let stamp = Time::from_secs(0.5 * k as f64);
         let mut off = |most: f64| rng.random_range(-most..most);
-        let error = pose2(conditions.off_m + off(0.012), off(0.012), off(0.002));
-        let believed = Pose2::from_parts((pose.translation.vector + error.translation.vector).into(), pose.rotation * error.rotation);
+        let error = pose2(conditions.off_m + off(0.012), conditions.off_m + off(0.012), off(0.002));
+        let believed = Pose2::from_parts(
+            (pose.translation.vector + error.translation.vector).into(),
+            pose.rotation * error.rotation,
+        );
         let covariance = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(
             conditions.claimed_m.powi(2),
             conditions.claimed_m.powi(2),
             1e-6,
         ));
-        let estimate = Estimate { status: conditions.status, ..Estimate::planar(stamp, believed, believed, covariance) };
+        let estimate =
+            Estimate { status: conditions.status, ..Estimate::planar(stamp, believed, believed, covariance) };
         let data = Data::LaserScan(scan);
-        let seen =
-            [Observation { sensor: SensorId(1), stamp, base_from_sensor: Pose3::identity(), valid: true, data }];
+        let seen = [Observation {
+            sensor: SensorId(1),
+            stamp,
+            base_from_sensor: Pose3::identity(),
+            valid: true,
+            data,
+        }];
         let input = MapInput { seen: Seen::sorted(&seen), estimate: &estimate };
         builder.insert(&mut Cx { now: stamp, trace: &trace }, &input, map).unwrap();
     }
+}
+
+/// Where two maps differ, as a picture: `+` came, `-` went.
+fn difference(before: &[u8], after: &[u8]) -> String {
+    let letter = |index: usize| match (before[index], after[index]) {
+        (0, 0) => '.',
+        (0, _) => '+',
+        (_, 0) => '-',
+        _ => '#',
+    };
+    let line = |row: usize| (0..SIZE.width).map(|col| letter(SIZE.index(col, row))).collect::<String>();
+    (0..SIZE.height).rev().map(|row| format!("\n{}", line(row))).collect()
 }
 
 /// A folder of this test's own, and the pipeline that lies there.
@@ -139,7 +163,8 @@ struct Place {
 
 impl Place {
     fn new(name: &str) -> Place {
-        let folder = std::env::temp_dir().join(format!("rumbo-lasting-changes-{name}-{}", std::process::id()));
+        let folder =
+            std::env::temp_dir().join(format!("rumbo-lasting-changes-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).unwrap();
         Place { folder }
@@ -164,7 +189,14 @@ impl Place {
         map
     }
 
-    fn visits(&self, params: &LastingChangesParams, map: Map, world: &[u8], n: u64, conditions: &Conditions) -> Map {
+    fn visits(
+        &self,
+        params: &LastingChangesParams,
+        map: Map,
+        world: &[u8],
+        n: u64,
+        conditions: &Conditions,
+    ) -> Map {
         (0..n).fold(map, |map, k| {
             let conditions = Conditions { seed: conditions.seed * 100 + k, ..*conditions };
             self.visit(params, &map, world, &conditions)
@@ -222,7 +254,7 @@ fn five_visits_bring_moved_furniture_into_the_map_and_nothing_else_with_somebody
     assert!(n_gone >= 95, "{n_gone} of 100 cells are gone");
     let own = [cells_of(CHEST), cells_of(CHEST_MOVED)].concat();
     let n_false = (0..map.len()).filter(|cell| map[*cell] != before[*cell] && !own.contains(cell)).count();
-    assert!(n_false <= 4, "{n_false} other cells changed");
+    assert!(n_false <= 4, "{n_false} other cells changed: {}", difference(&before, &map));
 }
 
 #[test]
@@ -239,7 +271,8 @@ fn a_map_that_is_off_by_one_cell_is_left_as_it_is() {
         let params = LastingChangesParams { removes: RemovalRule::All, ..LastingChangesParams::default() };
         let map = occupied(&place.visits(&params, map_of(&mapped), &world, 4, &FINE));
         let n_changed = map.iter().zip(&mapped).filter(|(a, b)| a != b).count();
-        assert!(n_changed <= 4, "{n_changed} cells changed");
+        // Of about 700 cells at surfaces.
+        assert!(n_changed <= 8, "{n_changed} cells changed: {}", difference(&mapped, &map));
     }
 }
 
@@ -276,14 +309,12 @@ fn scans_of_a_robot_that_is_not_sure_or_not_there_count_for_nothing() {
     let cases = [
         ("unsure", Conditions { claimed_m: 0.1, ..FINE }),
         ("ambiguous", Conditions { status: Status::Ambiguous, ..FINE }),
-        ("elsewhere", Conditions { off_m: 0.6, ..FINE }),
+        ("elsewhere", Conditions { off_m: 0.5, ..FINE }),
     ];
     for (name, conditions) in cases {
         let map = Place::new(name).visit(&params, &map_of(&mapped), &world, &conditions);
         let n_changed = occupied(&map).iter().zip(&mapped).filter(|(a, b)| a != b).count();
-        // Where the robot looks along a wall only, a place further along it looks the same.
-        let most = if name == "elsewhere" { 40 } else { 0 };
-        assert!(n_changed <= most, "{name}: {n_changed} cells changed");
+        assert_eq!(n_changed, 0, "{name}");
     }
     let map = Place::new("sure").visit(&params, &map_of(&mapped), &world, &FINE);
     assert_ne!(occupied(&map), mapped);
@@ -383,7 +414,8 @@ fn every_fault_of_the_parameters_is_told() {
 #[test]
 fn the_reach_is_where_heading_and_place_together_are_unsure_enough() {
     let estimate = |std_m: f64, std_rad: f64| {
-        let covariance = nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(std_m * std_m, 0.0, std_rad * std_rad));
+        let covariance =
+            nalgebra::Matrix3::from_diagonal(&nalgebra::Vector3::new(std_m * std_m, 0.0, std_rad * std_rad));
         Estimate::planar(Time::ZERO, Pose2::identity(), Pose2::identity(), covariance)
     };
     // 3, 4, 5: at 4 m a heading that is off by 10 mrad moves the end by 4 cm.
