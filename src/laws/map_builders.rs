@@ -140,14 +140,14 @@ fn counts_versions(subject: &Subject) -> Verdict {
 fn saves(subject: &Subject) -> Verdict {
     let drive = Drive::seen_from(Turn::None)?;
     let work = Work::new(subject)?.insert_all(&drive)?;
-    let save = |work: &Work| {
+    let save = |work: &Work| -> Result<(Map, Option<Vec<u8>>), Trouble> {
         let mut map = work.map.clone();
         let saved = work.builder.save(&mut map);
         let saved = saved.map_err(|error| Trouble::broken(format!("it does not save: {error}"), "a map"))?;
         is_finite("what it saves", &map)?;
         Ok((map, saved))
     };
-    let first: (Map, Option<Vec<u8>>) = save(&work)?;
+    let first = save(&work)?;
     expect(first == save(&work)?, || "it saves something else the second time".into(), "the same twice")?;
     // One that was asked on the way, and one that was not.
     let (before, after) = drive.frames.split_at(drive.frames.len() / 2);
