@@ -51,11 +51,11 @@ const OFFICE: Place = Place {
     start: [1.5, 8.5, 30.0],
     waypoints: None,
     walks: &[
-        [[2.0, 6.6], [9.0, 6.6]],
-        [[3.1, 8.0], [3.1, 9.8]],
-        [[1.9, 2.0], [0.9, 4.7]],
-        [[6.7, 4.8], [6.7, 2.5]],
-        [[10.2, 4.8], [8.0, 4.6]],
+        [[0.5, 7.6], [0.5, 10.2]],
+        [[3.1, 7.7], [3.1, 10.0]],
+        [[3.1, 4.8], [3.1, 1.9]],
+        [[6.9, 4.8], [6.9, 1.0]],
+        [[10.4, 4.9], [10.4, 3.0]],
     ],
 };
 
@@ -81,11 +81,11 @@ const LABORATORY: Place = Place {
         [3.9, 3.2],
     ]),
     walks: &[
-        [[4.6, 1.3], [4.6, 3.6]],
-        [[5.2, 6.4], [3.6, 6.0]],
-        [[7.3, 3.0], [6.0, 3.6]],
-        [[1.6, 3.4], [2.6, 4.6]],
-        [[4.6, 1.3], [4.6, 3.6]],
+        [[7.7, 2.7], [7.7, 3.9]],
+        [[2.6, 8.5], [3.3, 8.5]],
+        [[5.5, 8.5], [6.1, 8.5]],
+        [[7.7, 2.7], [7.7, 3.9]],
+        [[2.6, 8.5], [3.3, 8.5]],
     ],
 };
 
@@ -300,10 +300,10 @@ impl Place {
         let mut sets = self.world_sets(moved, walk, seed);
         let [x, y, yaw] = self.start;
         sets.push(format!("world.start={{ x_m = {x}, y_m = {y}, yaw_deg = {yaw} }}"));
-        sets.push(format!("map_builder.static_map.file={:?}", map.display().to_string()));
-        sets.push("map_builder.lasting_changes.removes=\"seen_before\"".to_owned());
+        sets.push(format!("map_builder.floor.file={:?}", map.display().to_string()));
+        sets.push("map_builder.changes.removes=\"seen_before\"".to_owned());
         sets.extend(
-            memory.map(|file| format!("map_builder.lasting_changes.memory={:?}", file.display().to_string())),
+            memory.map(|file| format!("map_builder.changes.memory={:?}", file.display().to_string())),
         );
         if let Some(waypoints) = self.waypoints {
             let list =

@@ -204,7 +204,11 @@ fn save(args: &Args, grid: &Grid, yaml: &Path, watch: &MapWatch, driven: &Driven
 fn keep(saved: &SavedMap, yaml: &Path) -> Result<Vec<String>, Failure> {
     let mut written = Vec::new();
     for (name, bytes) in &saved.kept {
-        let path = yaml.with_added_extension(name);
+        let path = yaml.with_added_extension(file_word(name));
+        if written.contains(&path.display().to_string()) {
+            let message = format!("two map builders would write {}; give them other names", path.display());
+            return Err(Failure::Usage(message));
+        }
         let part = path.with_added_extension(format!("{}.part", std::process::id()));
         write_file(&part, bytes)?;
         std::fs::rename(&part, &path)
@@ -212,6 +216,12 @@ fn keep(saved: &SavedMap, yaml: &Path) -> Result<Vec<String>, Failure> {
         written.push(path.display().to_string());
     }
     Ok(written)
+}
+
+/// The name of a map builder, without what has a meaning in paths.
+fn file_word(name: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "-_".contains(letter);
+    name.chars().map(|letter| if is_plain(letter) { letter } else { '_' }).collect()
 }
 
 fn write_reports(args: &Args, driven: &Driven) -> Result<Vec<(&'static str, PathBuf)>, Failure> {

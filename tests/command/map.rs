@@ -7,7 +7,7 @@ const STEPS: &str = "mission.waypoints=[{ x_m = 1.5, y_m = 7.6 }]";
 const VISIT: &str = "pipelines/learning_visit.toml";
 
 fn memory_key(path: &str) -> String {
-    format!("map_builder.lasting_changes.memory={path:?}")
+    format!("map_builder.changes.memory={path:?}")
 }
 
 fn visit(map: &Path, more: &[&str]) -> Given {
@@ -21,7 +21,7 @@ fn visit(map: &Path, more: &[&str]) -> Given {
 fn a_visit_leaves_the_map_and_beside_it_what_the_next_one_must_know() {
     let folder = scratch("visits");
     let first = folder.join("first.yaml");
-    let memory = folder.join("first.yaml.lasting_changes").display().to_string();
+    let memory = folder.join("first.yaml.changes").display().to_string();
     let made = visit(&first, &[]);
     assert_eq!(made.code, 0, "{}", made.stderr);
     assert_eq!(made.json()["kept"], serde_json::json!([memory]));
@@ -32,13 +32,13 @@ fn a_visit_leaves_the_map_and_beside_it_what_the_next_one_must_know() {
     assert_eq!(n_visits(Path::new(&memory)), 1);
     // With the saved map, or with the first one.
     let with_memory = memory_key(&memory);
-    let saved_map = format!("map_builder.static_map.file={:?}", first.display().to_string());
+    let saved_map = format!("map_builder.floor.file={:?}", first.display().to_string());
     for (name, sets) in [("second", vec![&with_memory, &saved_map]), ("also", vec![&with_memory])] {
         let map = folder.join(format!("{name}.yaml"));
         let sets: Vec<&str> = sets.into_iter().flat_map(|set| ["--set", set.as_str()]).collect();
         let made = visit(&map, &sets);
         assert_eq!(made.code, 0, "{}", made.stderr);
-        assert_eq!(n_visits(&folder.join(format!("{name}.yaml.lasting_changes"))), 2);
+        assert_eq!(n_visits(&folder.join(format!("{name}.yaml.changes"))), 2);
     }
     let same = |ending: &str| {
         let bytes =
@@ -46,7 +46,7 @@ fn a_visit_leaves_the_map_and_beside_it_what_the_next_one_must_know() {
         assert_eq!(bytes[0], bytes[1], "{ending}");
     };
     same(".png");
-    same(".yaml.lasting_changes");
+    same(".yaml.changes");
 }
 
 #[test]
@@ -54,7 +54,7 @@ fn a_memory_that_is_missing_damaged_or_of_another_map_is_refused_with_what_to_do
     let folder = scratch("bad-memories");
     let map = folder.join("floor.yaml");
     assert_eq!(visit(&map, &[]).code, 0);
-    let memory = folder.join("floor.yaml.lasting_changes");
+    let memory = folder.join("floor.yaml.changes");
     let bytes = std::fs::read(&memory).unwrap();
     let refused = |name: &str, content: Option<&[u8]>, more: &[&str], words: &str| {
         let path = folder.join(name);
@@ -77,8 +77,17 @@ fn a_memory_that_is_missing_damaged_or_of_another_map_is_refused_with_what_to_do
     let mut newer = bytes.clone();
     newer[8] = 9;
     refused("newer", Some(&newer), &[], "its version is 9");
-    let other = ["--set", "map_builder.static_map.file=worlds/natural_landmark_5x5.yaml"];
+    let other = ["--set", "map_builder.floor.file=worlds/natural_landmark_5x5.yaml"];
     refused("foreign", Some(&bytes), &other, "another map");
+}
+
+#[test]
+fn a_builder_may_have_any_name() {
+    let folder = scratch("odd-names");
+    let map = folder.join("floor.yaml");
+    let made = visit(&map, &["--set", "map_builder.changes.name=\"../odd name\""]);
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    assert!(folder.join("floor.yaml.___odd_name").is_file());
 }
 
 #[test]

@@ -10,10 +10,10 @@ use std::path::PathBuf;
 
 /// Corrects a grid that an earlier map builder loads, such as `static_map`, by what several visits have seen: what stands
 /// elsewhere becomes part of the map, and what is gone leaves it. One run is one visit. `rumbo map PIPELINE -o MAP.yaml`
-/// ends the visit: it writes the corrected map and, beside it, `MAP.lasting_changes` with what must be remembered; the next
-/// visit names that file in `memory`. Other commands write nothing. People who walk or stand about are in the way of few
-/// scans or gone at the next visit, and never become part of the map. Only the layer `grid` is corrected, and only where
-/// the map knows something; wall lines stay as they are.
+/// ends the visit: it writes the corrected map and, beside it, `MAP.yaml.NAME` with what must be remembered, where NAME is
+/// that of this map builder; the next visit names that file in `memory`. Other commands write nothing. People who walk about
+/// do not become part of the map, nor do those who stand, unless they stand at the same place in several visits in a row.
+/// Only the layer `grid` is corrected, and only where the map knows something; wall lines stay as they are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LastingChangesParams {
