@@ -123,6 +123,9 @@ struct map_builder : stage {
     /* Adds what was seen. */
     virtual void insert(const rumbo_call &call, const rumbo_seen &seen, const rumbo_estimate &estimate,
                         rumbo_map_mut *map) = 0;
+    /* Asked when somebody saves the map: brings what only a whole visit tells into `map`, and gives what must be kept beside
+       it until the next visit, or nothing. */
+    virtual std::string save(rumbo_map_mut *) const { return {}; }
 };
 
 struct slam : stage {
@@ -239,7 +242,11 @@ struct table_of<T, map_builder> {
     {
         return guarded(error, [&] { static_cast<T *>(self)->insert(*call, *seen, *estimate, map); });
     }
-    static constexpr rumbo_map_builder_table table = { sizeof(rumbo_map_builder_table), destroy<T>, start, insert };
+    static int32_t save(const void *self, rumbo_map_mut *map, rumbo_bytes_out *bytes, rumbo_error *error)
+    {
+        return guarded(error, [&] { bytes->push(bytes->ctx, view(static_cast<const T *>(self)->save(map))); });
+    }
+    static constexpr rumbo_map_builder_table table = { sizeof(rumbo_map_builder_table), destroy<T>, start, insert, save };
 };
 
 template <class T>

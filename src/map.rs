@@ -3,7 +3,7 @@
 mod of_log;
 mod watch;
 
-use crate::drive::{Driven, drive_and_keep};
+use crate::drive::{Driven, drive_engine};
 use crate::exit::{Exit, Failure};
 use crate::load::{self, Ready};
 use crate::outcome::Outcome;
@@ -11,7 +11,7 @@ use crate::report;
 use crate::run::summary::notices;
 use crate::run::{exit_of, on_interrupt, write_picture};
 use crate::terminal::{Terminal, make_folder_of, write_file};
-use rumbo_core::engine::{EndReason, Observer};
+use rumbo_core::engine::{EndReason, Engine, Observer, SavedMap};
 use rumbo_core::map::Grid;
 use rumbo_kit::map_file::{MapFileError, MapImage, PictureFormat, SavedAs, save_map};
 use serde::Serialize;
@@ -20,8 +20,9 @@ use watch::MapWatch;
 
 /// Build a map from a recorded log or a pipeline, and save it as map_server files
 ///
-/// A pipeline (.toml) is run, and its map is saved as it is at the end. Anything else is taken as a robot log: its laser
-/// becomes a grid, seen from the poses inside the log or from those in --poses.
+/// A pipeline (.toml) is run, and its map is saved as it is at the end; what its map builders must remember until the next
+/// visit is written beside it, as MAP.yaml.NAME. Anything else is taken as a robot log: its laser becomes a grid, seen from
+/// the poses inside the log or from those in --poses.
 #[derive(clap::Args)]
 pub struct Args {
     /// A robot log (CARMEN or Wean Hall, plain or gzip), or a pipeline (.toml)
@@ -90,6 +91,8 @@ struct Made {
     n_inserted: u64,
     n_occupied: usize,
     n_free: usize,
+    /// What map builders keep beside the map.
+    kept: Vec<String>,
     run: Option<Outcome>,
 }
 
@@ -100,13 +103,16 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let mut watch = MapWatch::new(!args.quiet && terminal.has_people());
     let file = args.file.display().to_string();
     let mut observers: Vec<&mut dyn Observer> = vec![&mut watch];
-    let driven = drive_and_keep(&ready.pipeline, &file, &ready.config, &mut observers, &interrupt);
+    let mut engine =
+        Engine::build(&ready.pipeline).map_err(|error| ready.explain(&error, args.json, terminal))?;
+    let driven = drive_engine(&mut engine, &ready.pipeline, &file, &ready.config, &mut observers, &interrupt);
     watch.finish();
-    let driven = driven.map_err(|error| ready.explain(&error, args.json, terminal))?;
-    let grid = driven.map.grid.as_ref().filter(|grid| grid.known_extent().is_some());
+    let saved = engine.save_map().map_err(|error| Failure::Usage(format!("cannot save the map: {error}")))?;
+    let grid = saved.map.grid.as_ref().filter(|grid| grid.known_extent().is_some());
     let Some(grid) = grid else { return Err(no_map(&driven, &watch)) };
     let yaml = args.named(&args.output, "yaml");
     let made = save(args, grid, &yaml, &watch, &driven)?;
+    let made = Made { kept: keep(&saved, &yaml)?, ..made };
     let written = write_reports(args, &driven)?;
     if !args.quiet {
         say(&made, &driven, &written, terminal);
@@ -189,8 +195,33 @@ fn save(args: &Args, grid: &Grid, yaml: &Path, watch: &MapWatch, driven: &Driven
         n_inserted: watch.n_inserted,
         n_occupied: image.cells.iter().filter(|percent| **percent > 50).count(),
         n_free: image.cells.iter().filter(|percent| (0..50).contains(*percent)).count(),
+        kept: Vec::new(),
         run: driven.record.outcome.clone(),
     })
+}
+
+/// Writes what map builders must remember beside the map; each file is moved to its place once it is whole.
+fn keep(saved: &SavedMap, yaml: &Path) -> Result<Vec<String>, Failure> {
+    let mut written = Vec::new();
+    for (name, bytes) in &saved.kept {
+        let path = yaml.with_added_extension(file_word(name));
+        if written.contains(&path.display().to_string()) {
+            let message = format!("two map builders would write {}; give them other names", path.display());
+            return Err(Failure::Usage(message));
+        }
+        let part = path.with_added_extension(format!("{}.part", std::process::id()));
+        write_file(&part, bytes)?;
+        std::fs::rename(&part, &path)
+            .map_err(|error| Failure::Internal(format!("cannot write {}: {error}", path.display())))?;
+        written.push(path.display().to_string());
+    }
+    Ok(written)
+}
+
+/// The name of a map builder, without what has a meaning in paths.
+fn file_word(name: &str) -> String {
+    let is_plain = |letter: char| letter.is_alphanumeric() || "-_".contains(letter);
+    name.chars().map(|letter| if is_plain(letter) { letter } else { '_' }).collect()
 }
 
 fn write_reports(args: &Args, driven: &Driven) -> Result<Vec<(&'static str, PathBuf)>, Failure> {
@@ -218,6 +249,7 @@ fn say(made: &Made, driven: &Driven, written: &[(&str, PathBuf)], terminal: &Ter
         ("scans", format!("{}, of which {} changed the map", made.n_scans, made.n_inserted)),
         ("map", made.map.clone()),
     ];
+    rows.extend(made.kept.iter().map(|path| ("memory", path.clone())));
     rows.extend(written.iter().map(|(name, path)| (*name, path.display().to_string())));
     let is_interrupted = made.run.as_ref().is_some_and(|run| run.reason == EndReason::Interrupted);
     let end = if is_interrupted {

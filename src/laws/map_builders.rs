@@ -4,6 +4,7 @@ use super::drive::{Drive, Frame, N_FRAMES, observation, step_time};
 use super::law::{Law, Trouble, Verdict, expect};
 use super::memory::stays_finite;
 use super::subject::Subject;
+use super::text_world::TextWorld;
 use super::turn::Turn;
 use nalgebra::Matrix3;
 use rumbo_core::boundary::Buffer;
@@ -21,6 +22,7 @@ pub const LAWS: &[Law] = &[
     Law::new("every number of the map is finite", finite),
     Law::new("the map's version goes up with every change", counts_versions),
     Law::new("a world turned or mirrored turns the map with it", symmetric).within("5 % of the known cells"),
+    Law::new("it saves the same twice, and goes on as if nobody had asked", saves).within("to the bit"),
     Law::new("it survives empty, impossible and huge scans, and goes on", survives_odd_scans),
     Law::new("it survives impossible and huge poses, and goes on", survives_odd_poses),
     Law::new("10,000 calls use finite memory", finite_memory).within("64 MiB").long(),
@@ -36,12 +38,16 @@ struct Work {
 impl Work {
     /// A new builder with its map started.
     fn new(subject: &Subject) -> Result<Work, Trouble> {
-        Work::on(subject, Map::default())
+        Work::on(subject, Turn::None, Map::default())
     }
 
-    fn on(subject: &Subject, mut map: Map) -> Result<Work, Trouble> {
-        subject.needs_only(&[])?;
+    /// One that needs a grid, to write on top of it, gets that of the hall, seen from this side.
+    fn on(subject: &Subject, turn: Turn, mut map: Map) -> Result<Work, Trouble> {
+        subject.needs_only(&[Layer::Grid])?;
         subject.sees_enough()?;
+        if subject.manifest().needs_layers.contains(&Layer::Grid) {
+            map.grid = Some(TextWorld::hall()?.turned(turn)?.grid);
+        }
         let mut builder: Box<dyn MapBuilder> = subject.build()?;
         let started = builder.start(&mut map);
         started.map_err(|error| Trouble::broken(format!("it does not start: {error}"), "layers"))?;
@@ -66,7 +72,7 @@ impl Work {
 
 /// The map of the whole drive, seen from this side.
 fn map_of(subject: &Subject, turn: Turn) -> Result<Map, Trouble> {
-    Ok(Work::new(subject)?.insert_all(&Drive::seen_from(turn)?)?.map)
+    Ok(Work::on(subject, turn, Map::default())?.insert_all(&Drive::seen_from(turn)?)?.map)
 }
 
 fn gives_its_layers(subject: &Subject) -> Verdict {
@@ -87,7 +93,8 @@ fn leaves_others_alone(subject: &Subject) -> Verdict {
         voxels: Some(Default::default()),
         ..Map::default()
     };
-    let after = Work::on(subject, before.clone())?.insert_all(&Drive::seen_from(Turn::None)?)?.map;
+    let work = Work::on(subject, Turn::None, before.clone())?;
+    let after = work.insert_all(&Drive::seen_from(Turn::None)?)?.map;
     for (layer, is_same) in [
         (Layer::Lines, before.lines == after.lines),
         (Layer::Landmarks, before.landmarks == after.landmarks),
@@ -128,6 +135,31 @@ fn counts_versions(subject: &Subject) -> Verdict {
         expect(!is_changed || work.map.version > before.version, found, "a version that goes up")?;
     }
     Ok(format!("version {} in the end", work.map.version))
+}
+
+fn saves(subject: &Subject) -> Verdict {
+    let drive = Drive::seen_from(Turn::None)?;
+    let work = Work::new(subject)?.insert_all(&drive)?;
+    let save = |work: &Work| -> Result<(Map, Option<Vec<u8>>), Trouble> {
+        let mut map = work.map.clone();
+        let saved = work.builder.save(&mut map);
+        let saved = saved.map_err(|error| Trouble::broken(format!("it does not save: {error}"), "a map"))?;
+        is_finite("what it saves", &map)?;
+        Ok((map, saved))
+    };
+    let first = save(&work)?;
+    expect(first == save(&work)?, || "it saves something else the second time".into(), "the same twice")?;
+    // One that was asked on the way, and one that was not.
+    let (before, after) = drive.frames.split_at(drive.frames.len() / 2);
+    let part = |frames: &[Frame]| Drive { frames: frames.to_vec(), ..drive.clone() };
+    let asked = Work::new(subject)?.insert_all(&part(before))?;
+    save(&asked)?;
+    let asked = asked.insert_all(&part(after))?;
+    let found = || "it saves something else when it was asked half way before".into();
+    expect(first == save(&asked)?, found, "the same")?;
+    Ok(first
+        .1
+        .map_or_else(|| "nothing beside the map".into(), |kept| format!("{} bytes beside it", kept.len())))
 }
 
 fn symmetric(subject: &Subject) -> Verdict {

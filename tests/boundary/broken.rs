@@ -52,7 +52,7 @@ fn a_record_of_another_major_is_refused() {
     record_refused(
         "major",
         &["MAJOR=2", "MINOR=3"],
-        "it speaks ABI 2.3, this host speaks ABI 1 (up to 1.0); rebuild the plugin against this version, or take the \
+        "it speaks ABI 2.3, this host speaks ABI 1 (up to 1.1); rebuild the plugin against this version, or take the \
          version of Rumbo that it was built for",
     );
 }
@@ -81,7 +81,7 @@ fn a_library_that_refuses_the_host_is_refused() {
     record_refused(
         "null_record",
         &["RESULT=NULL"],
-        "its entry function refuses this host (ABI 1.0); it asks for a newer one, or it failed to start",
+        "its entry function refuses this host (ABI 1.1); it asks for a newer one, or it failed to start",
     );
 }
 

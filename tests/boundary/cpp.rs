@@ -76,6 +76,17 @@ fn a_failure_keeps_its_status_and_its_words() {
 }
 
 #[test]
+fn what_a_map_builder_keeps_is_given_or_the_reason_told() {
+    let save = |how: &str| match configured(Stage::MapBuilder, how).build(&BuildContext::bare("map")).unwrap()
+    {
+        Built::MapBuilder(builder) => builder.save(&mut Map::default()).map_err(|error| error.to_string()),
+        _ => panic!("no map builder"),
+    };
+    assert_eq!(save("well"), Ok(Some(b"kept".to_vec())));
+    assert!(save("standard").unwrap_err().ends_with("panicked: an index of 7 in a list of 3"));
+}
+
+#[test]
 fn a_state_is_saved_or_the_reason_told() {
     let save = |how: &str| match configured(Stage::Slam, how).build(&BuildContext::bare("slam")).unwrap() {
         Built::Slam(mut slam) => {

@@ -201,7 +201,7 @@ fn layout_lines() -> String {
         rumbo_planner_table { size, destroy, plan }
         rumbo_avoider_table { size, destroy, steer }
         rumbo_localizer_table { size, destroy, start, update }
-        rumbo_map_builder_table { size, destroy, start, insert }
+        rumbo_map_builder_table { size, destroy, start, insert, save }
         rumbo_slam_table { size, destroy, start, update, save }
         rumbo_sensor_table { size, destroy, poll, derive }
         rumbo_host {

@@ -62,7 +62,7 @@ fn the_command_lists_and_describes_them() {
     let (wave, reckoning) = (wave.to_str().unwrap(), reckoning.to_str().unwrap());
     let listed = works(&["plugins", "list", "--plugin", wave, "--plugin", reckoning]);
     for expected in
-        ["A wave front over the grid, in plain C", "Believes the odometer, in C++", "ABI 1.0, built by wave"]
+        ["A wave front over the grid, in plain C", "Believes the odometer, in C++", "ABI 1.1, built by wave"]
     {
         assert!(listed.contains(expected), "{expected}:\n{listed}");
     }

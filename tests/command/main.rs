@@ -6,6 +6,7 @@ mod compare;
 mod emulate;
 mod eval;
 mod help;
+mod map;
 #[cfg(unix)]
 mod new;
 mod plot;

@@ -171,6 +171,34 @@ fn a_map_builder_that_counts_no_versions_and_drops_other_layers_is_told() {
     breaks(careless, &["it leaves other layers alone", "the map's version goes up with every change"]);
 }
 
+/// Each time that it is asked it has more to remember.
+struct Restless(Box<dyn MapBuilder>, std::cell::Cell<u8>);
+
+impl MapBuilder for Restless {
+    fn start(&mut self, map: &mut Map) -> Result<(), MapError> {
+        self.0.start(map)
+    }
+
+    fn insert(&mut self, cx: &mut Cx<'_>, input: &MapInput<'_>, map: &mut Map) -> Result<(), MapError> {
+        self.0.insert(cx, input, map)
+    }
+
+    fn save(&self, _: &mut Map) -> Result<Option<Vec<u8>>, MapError> {
+        self.1.set(self.1.get() + 1);
+        Ok(Some(vec![self.1.get()]))
+    }
+}
+
+#[test]
+fn a_map_builder_that_changes_when_it_is_asked_to_save_is_told() {
+    let manifest = manifest(Stage::MapBuilder, "lasting_changes");
+    let restless = Double::entry(Stage::MapBuilder, "restless", manifest, |context| {
+        let inner = build(Stage::MapBuilder, "lasting_changes", context);
+        Built::MapBuilder(Box::new(Restless(inner, Default::default())))
+    });
+    breaks(restless, &["it saves the same twice, and goes on as if nobody had asked"]);
+}
+
 /// Time stands still.
 struct Frozen;
 

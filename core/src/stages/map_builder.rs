@@ -11,6 +11,13 @@ pub trait MapBuilder: Send {
 
     /// Adds what was seen. Runs last in a step, after the localizer has used the map.
     fn insert(&mut self, cx: &mut Cx<'_>, input: &MapInput<'_>, map: &mut Map) -> Result<(), MapError>;
+
+    /// Asked when somebody saves the map: brings what only a whole visit tells into `map`, which is what will be saved, and
+    /// gives what must be kept beside it until the next visit; no bytes are as good as `None`. May be asked again;
+    /// the builder itself goes on as if nobody had.
+    fn save(&self, _map: &mut Map) -> Result<Option<Vec<u8>>, MapError> {
+        Ok(None)
+    }
 }
 
 /// What a map builder gets.

@@ -215,6 +215,20 @@ fn a_map_is_built_in_place_on_the_other_side() {
 }
 
 #[test]
+fn what_a_map_builder_keeps_and_the_map_that_it_saves_come_back() {
+    let builder: Box<dyn MapBuilder> = stage(Stage::MapBuilder, "double");
+    for (kept, found) in
+        [(Some(vec![7, 0, 250]), Some(vec![7, 0, 250])), (None, None), (Some(Vec::new()), None)]
+    {
+        let mut map = full_map();
+        desk(|desk| desk.kept = kept.clone());
+        assert_eq!(builder.save(&mut map), Ok(found));
+        assert_eq!(map.version, full_map().version + 1);
+        assert_eq!(map.grid.unwrap().cells[0], full_map().grid.unwrap().cells[0] + 1.0);
+    }
+}
+
+#[test]
 fn a_slam_plugin_starts_updates_and_saves() {
     let mut slam: Box<dyn Slam> = stage(Stage::Slam, "double");
     let mut map = full_map();

@@ -23,6 +23,7 @@ pub struct Desk {
     pub path: Option<Path>,
     pub answers: Vec<String>,
     pub cells_at: usize,
+    pub kept: Option<Vec<u8>>,
     pub estimate_to_give: Option<Estimate>,
     pub observations_to_give: Vec<Observation>,
     pub steering_to_give: Option<Steering>,
@@ -209,6 +210,11 @@ impl MapBuilder for Double {
         change(map);
         self.called(Some(cx));
         Ok(())
+    }
+
+    fn save(&self, map: &mut Map) -> Result<Option<Vec<u8>>, MapError> {
+        change(map);
+        Ok(desk(|desk| desk.kept.clone()))
     }
 }
 

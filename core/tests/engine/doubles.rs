@@ -413,6 +413,10 @@ impl MapBuilder for Counter {
         map.touch();
         Ok(())
     }
+    fn save(&self, map: &mut Map) -> Result<Option<Vec<u8>>, MapError> {
+        map.lines = Some(rumbo_core::map::Lines::default());
+        Ok(Some(self.0.to_le_bytes().to_vec()))
+    }
 }
 rumbo_core::register_map_builder!(CounterParams, "counter", "one landmark a scan");
 

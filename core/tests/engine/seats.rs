@@ -85,6 +85,19 @@ fn several_builders_fill_their_layers_in_the_order_of_the_file() {
 }
 
 #[test]
+fn a_saved_map_has_what_its_builders_add_and_the_run_goes_on_without_it() {
+    let mut pipeline = pipeline("saves");
+    pipeline.sensors[1] = sensor("scanner", "scanner", 7.5, "");
+    pipeline.map_builders.push(stage(Stage::MapBuilder, "marks", "counter", None, ""));
+    let mut engine = Engine::build(&pipeline).unwrap();
+    step_until(&mut engine, 2.0);
+    let saved = engine.save_map().unwrap();
+    assert_eq!(saved.kept, [("marks".to_owned(), 16usize.to_le_bytes().to_vec())]);
+    assert!(saved.map.lines.is_some() && engine.view().map.lines.is_none());
+    assert_eq!(engine.save_map().unwrap(), saved);
+}
+
+#[test]
 fn slam_fills_two_seats_at_once() {
     let mut pipeline = pipeline("slam");
     (pipeline.localizer, pipeline.map_builders) = (None, Vec::new());

@@ -11,7 +11,7 @@ pub const RUMBO_MAGIC: u64 = 0x474c_504f_424d_5552;
 /// Major of this ABI: changes when an old plugin can no longer be loaded.
 pub const RUMBO_ABI_MAJOR: u32 = 1;
 /// Minor of this ABI: goes up when something is appended.
-pub const RUMBO_ABI_MINOR: u32 = 0;
+pub const RUMBO_ABI_MINOR: u32 = 1;
 /// Flag of a module: panics and exceptions are caught inside. A library without it is refused.
 pub const RUMBO_CATCHES: u64 = 1;
 

@@ -104,6 +104,16 @@ pub struct rumbo_map_builder_table {
             error: *mut rumbo_error,
         ) -> i32,
     >,
+    /// Asked when somebody saves the map: brings what only a whole visit tells into `map`, which is what will be saved, and
+    /// pushes what must be kept beside it until the next visit, or nothing; may be null. Since ABI 1.1.
+    pub save: Option<
+        unsafe extern "C" fn(
+            instance: *const c_void,
+            map: *mut rumbo_map_mut,
+            bytes: *mut rumbo_bytes_out,
+            error: *mut rumbo_error,
+        ) -> i32,
+    >,
 }
 
 /// Functions of a plugin that builds the map and finds the robot in it.

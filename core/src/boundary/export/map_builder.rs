@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{BadView, estimate_from, observations_from};
+use super::super::convert::{BadView, estimate_from, observations_from, read};
 use super::super::status::Crosses as _;
 use super::call::{Call, bad};
 use super::guard::{destroy, guarded};
@@ -18,6 +18,7 @@ pub(super) static TABLE: rumbo_map_builder_table = rumbo_map_builder_table {
     destroy: Some(destroy::<Side>),
     start: Some(start),
     insert: Some(insert),
+    save: Some(save),
 };
 
 struct Side {
@@ -70,6 +71,33 @@ unsafe extern "C" fn insert(
                 match inserted {
                     Ok(inserted) => status(inserted, error),
                     Err(view) => bad(&view, error),
+                }
+            })
+        })
+    }
+}
+
+unsafe extern "C" fn save(
+    this: *const c_void,
+    map: *mut rumbo_map_mut,
+    bytes: *mut rumbo_bytes_out,
+    error: *mut rumbo_error,
+) -> i32 {
+    // SAFETY: what the host hands over for this call, and an instance that `this` gave.
+    unsafe {
+        with_map(map, |map| {
+            guarded(error, |error| {
+                let Some(side) = this.cast::<Side>().as_ref() else { return RUMBO_ERROR };
+                match side.builder.save(map) {
+                    Err(why) => why.cross(error),
+                    Ok(None) => RUMBO_OK,
+                    Ok(Some(kept)) => {
+                        let Some((out, push)) = read(bytes).and_then(|out| Some((out, out.push?))) else {
+                            return RUMBO_ERROR;
+                        };
+                        push(out.ctx, rumbo_str { data: kept.as_ptr().cast(), len: kept.len() });
+                        RUMBO_OK
+                    }
                 }
             })
         })

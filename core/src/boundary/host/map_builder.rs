@@ -3,7 +3,7 @@
 
 use super::super::abi::*;
 use super::super::convert::{EstimateLoan, SeenLoan};
-use super::call::{Instance, lend_cx};
+use super::call::{Instance, Pushed, lend_cx, push_bytes};
 use super::map_mut::MapHandle;
 use crate::map::Map;
 use crate::stages::{Cx, MapBuilder, MapError, MapInput};
@@ -48,5 +48,22 @@ impl MapBuilder for DynMapBuilder {
             unsafe { insert(this, call, seen, estimate, map.lend(), error) }
         })?;
         map.end().map_err(|bad| MapError::Other(self.instance.nonsense(bad)))
+    }
+
+    fn save(&self, map: &mut Map) -> Result<Option<Vec<u8>>, MapError> {
+        let Some(save) = self.table.save else { return Ok(None) };
+        let mut bytes = Pushed::<u8>::new();
+        let size = size_of::<rumbo_bytes_out>();
+        let mut out = rumbo_bytes_out { size, ctx: bytes.begin(), push: Some(push_bytes) };
+        let mut map = MapHandle::new(map);
+        self.instance.look::<MapError>(|this, error| {
+            // SAFETY: a function of the instance's own table; map and output live until it returns.
+            unsafe { save(this, map.lend(), &raw mut out, error) }
+        })?;
+        map.end().map_err(|bad| MapError::Other(self.instance.nonsense(bad)))?;
+        if let Some(fault) = bytes.fault("what it keeps beside a map") {
+            return Err(MapError::Other(self.instance.nonsense(fault)));
+        }
+        Ok((!bytes.items.is_empty()).then_some(bytes.items))
     }
 }

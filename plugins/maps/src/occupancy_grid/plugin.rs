@@ -1,9 +1,8 @@
 //! The occupancy grid as a map builder of the framework.
 
-use rumbo_core::frames::{Point2, Pose2, flatten};
+use rumbo_core::frames::{Point2, Pose2};
 use rumbo_core::map::{Layer, Map};
 use rumbo_core::messages::{LaserScan, Observation, ObservationKind, SensorId, Status};
-use rumbo_core::odometry_track::OdometryTrack;
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, MapBuilder, MapError, MapInput};
 use rumbo_core::time::Time;
@@ -13,6 +12,7 @@ use rumbo_kit::occupancy::{BeamEnd, BeamEnds, Evidence, Mount2, ScanPainter};
 use super::gate::UpdateGate;
 use super::params::OccupancyGridParams;
 use super::pyramid::{Grown, Pyramid};
+use crate::scan_poses::ScanPoses;
 
 rumbo_core::register_map_builder!(
     OccupancyGridParams,
@@ -28,7 +28,7 @@ pub struct OccupancyGrid {
     pyramid: Pyramid,
     sources: Vec<Source>,
     is_blank: bool,
-    track: OdometryTrack,
+    poses: ScanPoses,
     beams: BeamEnds,
     painter: ScanPainter,
     has_told_full: bool,
@@ -93,7 +93,7 @@ impl Plugin<dyn MapBuilder> for OccupancyGridParams {
             },
             sources: Vec::new(),
             is_blank: true,
-            track: OdometryTrack::new(),
+            poses: ScanPoses::new(self.max_pose_age_s),
             beams: BeamEnds::default(),
             painter: ScanPainter::default(),
             has_told_full: false,
@@ -108,9 +108,7 @@ impl MapBuilder for OccupancyGrid {
     }
 
     fn insert(&mut self, cx: &mut Cx<'_>, input: &MapInput<'_>, map: &mut Map) -> Result<(), MapError> {
-        for (observation, odometry) in input.seen.odometry().filter(|(observation, _)| observation.valid) {
-            self.track.push(observation.stamp, odometry);
-        }
+        self.poses.take(input.seen);
         for (observation, scan) in input.seen.laser_scans().filter(|(observation, _)| observation.valid) {
             let skipped = self.insert_scan(observation, scan, input, map)?;
             // Only now: what failed is handed in once more.
@@ -147,7 +145,7 @@ impl OccupancyGrid {
         if self.sources[source].newest.is_some_and(|newest| observation.stamp <= newest) {
             return Ok(Some(Skipped::NotNewer));
         }
-        let Some(map_from_base) = self.pose_at(observation.stamp, input) else {
+        let Some(map_from_base) = self.poses.at(observation.stamp, input.estimate) else {
             return Ok(Some(Skipped::NoPose));
         };
         let farthest_cells = map_from_base.translation.vector.amax() / self.params.resolution_m;
@@ -200,19 +198,6 @@ impl OccupancyGrid {
             self.sources.push(Source { sensor, newest: None, gate });
             self.sources.len() - 1
         })
-    }
-
-    /// The robot when the scan was taken: the estimate where it is of that time, else moved there by the odometer.
-    fn pose_at(&self, stamp: Time, input: &MapInput<'_>) -> Option<Pose2> {
-        if input.estimate.stamp == stamp {
-            return Some(input.estimate.pose2());
-        }
-        let age_s = (stamp - input.estimate.stamp).as_secs().abs();
-        let is_near = age_s <= self.params.max_pose_age_s;
-        self.track
-            .stamp()
-            .filter(|_| is_near)
-            .map(|_| flatten(&input.estimate.map_from_odom) * self.track.at(stamp))
     }
 
     fn place(&mut self, observation: &Observation, scan: &LaserScan, map_from_base: &Pose2, map: &Map) {
