@@ -1,0 +1,168 @@
+//! A walk in small steps made into a path of few straight legs.
+
+use super::rounding::{Rounded, rounded};
+use rumbo_core::frames::Point2;
+use rumbo_kit::potential::Obstacles;
+
+/// Places of a walk between which short cuts are tried lie this far apart, meters.
+const SPACING_M: f64 = 0.25;
+/// Points that stray less than this from a straight leg are not needed, meters.
+const COLLINEAR_M: f64 = 1e-3;
+
+/// What a straightened path keeps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StraightenRules {
+    /// Distance that short cuts and rounded corners keep to obstacles, meters.
+    pub clearance_m: f64,
+    /// Radius of rounded corners where there is room, meters; zero leaves them sharp.
+    pub radius_m: f64,
+    /// Corners rounded less than this are counted: the robot cannot turn on a smaller radius, meters.
+    pub least_radius_m: f64,
+}
+
+/// Legs of a walk: short cuts forwards and backwards until nothing gets shorter, collinear points removed, corners rounded.
+pub fn straightened(walk: &[Point2], obstacles: &Obstacles, rules: &StraightenRules) -> Rounded {
+    let is_clear = |a: Point2, b: Point2| obstacles.is_clear(a, b, rules.clearance_m);
+    let mut way = short_cut(walk, &is_clear);
+    for _ in 0..MOST_PASSES {
+        let before_m = length_m(&way);
+        let mut back = resampled(&way);
+        back.reverse();
+        way = short_cut(&back, &is_clear);
+        way.reverse();
+        way = short_cut(&resampled(&way), &is_clear);
+        if length_m(&way) > before_m - SPACING_M * COLLINEAR_M {
+            break;
+        }
+    }
+    let legs = without_collinear(&way);
+    rounded(&legs, rules.radius_m, rules.least_radius_m, &is_clear)
+}
+
+/// Each pass there and back lets corners move by about a spacing; a few take all of the slack.
+const MOST_PASSES: usize = 3;
+
+/// From each place straight to the farthest one that a clear leg leads to.
+fn short_cut(way: &[Point2], is_clear: &dyn Fn(Point2, Point2) -> bool) -> Vec<Point2> {
+    let candidates = spaced(way);
+    let mut cut: Vec<Point2> = way.first().copied().into_iter().collect();
+    let mut here = 0;
+    while here + 1 < way.len() {
+        let farther = candidates.iter().rev().take_while(|there| **there > here + 1);
+        let next = farther.copied().find(|there| is_clear(way[here], way[*there])).unwrap_or(here + 1);
+        cut.push(way[next]);
+        here = next;
+    }
+    cut
+}
+
+/// Places about a spacing apart, and the last.
+fn spaced(way: &[Point2]) -> Vec<usize> {
+    let mut since_m = 0.0;
+    let mut spaced = Vec::new();
+    for (idx, leg) in way.windows(2).enumerate() {
+        since_m += (leg[1] - leg[0]).norm();
+        if since_m >= SPACING_M || idx + 2 == way.len() {
+            spaced.push(idx + 1);
+            since_m = 0.0;
+        }
+    }
+    spaced
+}
+
+/// The same way with places in long legs.
+fn resampled(way: &[Point2]) -> Vec<Point2> {
+    let mut points: Vec<Point2> = way.first().copied().into_iter().collect();
+    for leg in way.windows(2) {
+        let n = ((leg[1] - leg[0]).norm() / SPACING_M).ceil().max(1.0) as usize;
+        points.extend((1..n).map(|k| leg[0] + (leg[1] - leg[0]) * (k as f64 / n as f64)));
+        points.push(leg[1]);
+    }
+    points
+}
+
+/// Leaves out every point that lies on the straight leg between those that stay.
+pub fn without_collinear(way: &[Point2]) -> Vec<Point2> {
+    let mut kept: Vec<Point2> = way.first().copied().into_iter().collect();
+    let mut from = 0;
+    for to in 1..way.len() {
+        let is_needed = to + 1 == way.len() || !is_straight(&way[from..=to + 1]);
+        if is_needed {
+            kept.push(way[to]);
+            from = to;
+        }
+    }
+    kept
+}
+
+fn is_straight(way: &[Point2]) -> bool {
+    let [first, between @ .., last] = way else { return true };
+    let along = last - first;
+    let square = along.norm_squared();
+    between.iter().all(|point| {
+        let offset = point - first;
+        let share = if square > 0.0 { offset.dot(&along) / square } else { 0.0 };
+        (0.0..=1.0).contains(&share) && (offset - along * share).norm() <= COLLINEAR_M
+    })
+}
+
+/// Length of all legs, meters.
+pub fn length_m(way: &[Point2]) -> f64 {
+    way.windows(2).map(|leg| (leg[1] - leg[0]).norm()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rumbo_kit::potential::Piece;
+
+    fn points(way: &[[f64; 2]]) -> Vec<Point2> {
+        way.iter().copied().map(Point2::from).collect()
+    }
+
+    const RULES: StraightenRules = StraightenRules { clearance_m: 0.3, radius_m: 0.0, least_radius_m: 0.0 };
+
+    #[test]
+    fn points_on_a_leg_go_and_turns_back_stay() {
+        let way = points(&[[0.0, 0.0], [1.0, 0.0005], [2.0, 0.0], [3.0, 1.0], [4.0, 2.0], [3.5, 1.5]]);
+        let kept = without_collinear(&way);
+        assert_eq!(kept, points(&[[0.0, 0.0], [2.0, 0.0], [4.0, 2.0], [3.5, 1.5]]));
+        assert_eq!(without_collinear(&way[..1]).len(), 1);
+        assert!(without_collinear(&[]).is_empty());
+    }
+
+    #[test]
+    fn a_detour_around_a_wall_becomes_nearly_as_short_as_it_can_be() {
+        let wall = vec![Piece::between(Point2::new(0.0, -1.0), Point2::new(0.0, 1.0))];
+        let obstacles = Obstacles::new(&[wall], 2.0).unwrap();
+        // A wide half circle in small steps.
+        let walk: Vec<Point2> = (0..=400)
+            .map(|k| std::f64::consts::PI * (1.0 - f64::from(k) / 400.0))
+            .map(|angle| Point2::new(3.0 * angle.cos(), 3.0 * angle.sin()))
+            .collect();
+        let way = straightened(&walk, &obstacles, &RULES).points;
+        assert!((way[0] - walk[0]).norm() < 1e-12 && (way[way.len() - 1] - walk[400]).norm() < 1e-12);
+        // A string around the end of the wall without any room is shorter, one around a square end is longer.
+        let shortest = 2.0 * 3.0_f64.hypot(1.0);
+        let longest = 2.0 * (2.7_f64.hypot(1.3) + 0.3);
+        let found = length_m(&way);
+        assert!(found > shortest && found < 1.01 * longest, "{shortest} {found} {longest}");
+        for leg in way.windows(2) {
+            for k in 0..=1000 {
+                let at = leg[0] + (leg[1] - leg[0]) * (f64::from(k) / 1000.0);
+                assert!(obstacles.clearance_m(at) >= 0.3);
+            }
+        }
+    }
+
+    #[test]
+    fn a_walk_that_is_nearer_than_a_short_cut_may_be_is_kept() {
+        let wall = vec![Piece::between(Point2::new(-9.0, 0.0), Point2::new(9.0, 0.0))];
+        let obstacles = Obstacles::new(&[wall], 2.0).unwrap();
+        let walk: Vec<Point2> =
+            (0..100).map(|k| Point2::new(0.02 * f64::from(k), 0.1 + 0.05 * f64::from(k % 2))).collect();
+        assert_eq!(straightened(&walk, &obstacles, &RULES).points, walk);
+        assert_eq!(straightened(&walk[..1], &obstacles, &RULES).points, walk[..1]);
+        assert!(straightened(&[], &obstacles, &RULES).points.is_empty());
+    }
+}

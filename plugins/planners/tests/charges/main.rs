@@ -1,0 +1,14 @@
+//! `potential_field` and `fictitious_charges` against the published warehouse and against an exact solver.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod scene;
+mod shortest;
+mod warehouse;
+
+mod acceptance;
+mod limits;
+mod maps;
+mod odd_input;
+mod queries;
+mod traps;
+mod variants;
