@@ -149,6 +149,19 @@ impl Obstacles {
         }
     }
 
+    /// Visits every piece within a distance, which must not be above the reach, with how far it is and the direction from
+    /// it: in a corner both walls count, also where they are one obstacle.
+    pub fn pieces_within(&self, at: Point2<f64>, most_m: f64, mut visit: impl FnMut(f64, Vector2<f64>)) {
+        for &place in self.index.around(at) {
+            let Some(segment) = self.segments.get(place as usize) else { continue };
+            let offset = segment.offset(at);
+            let norm = offset.norm();
+            if norm - segment.radius_m <= most_m && norm > 0.0 {
+                visit(norm - segment.radius_m, offset / norm);
+            }
+        }
+    }
+
     /// Distance to the nearest obstacle, meters; infinite where none is within reach.
     pub fn clearance_m(&self, at: Point2<f64>) -> f64 {
         let mut least_m = f64::INFINITY;

@@ -83,9 +83,23 @@ pub(crate) struct RuleKeys {
     pub xi: f64,
     pub eta: f64,
     pub influence_distance_m: f64,
+    pub minimum_force: f64,
+    pub goal_capture_m: f64,
 }
 
 impl RuleKeys {
+    /// The combined attraction falls below `minimum_force` near the goal by itself: there nothing is a minimum. Twice that
+    /// distance, since the robot comes there with some push of obstacles left.
+    pub fn goal_capture_m(&self) -> f64 {
+        match self.form {
+            AttractionForm::Combined => {
+                let weak_m = 2.0 * self.minimum_force / self.xi * self.combined_radius_m;
+                self.goal_capture_m.max(2.0 * weak_m)
+            }
+            _ => self.goal_capture_m,
+        }
+    }
+
     pub fn attraction(&self) -> Attraction {
         let form = match self.form {
             AttractionForm::Conic => Form::Conic,
@@ -175,7 +189,7 @@ macro_rules! field_params {
             /// Arrived within this distance of the goal, meters; the path ends at the goal itself.
             pub goal_tolerance_m: f64,
             /// Within this distance of the goal nothing is taken for a local minimum, meters: the quadratic attraction
-            /// vanishes there. Zero for the conic form.
+            /// vanishes there. Zero for the conic form; the combined one knows by itself where it is too weak.
             pub goal_capture_m: f64,
             /// Steps over which standing still is told, the second detector of local minima.
             pub stall_window: usize,
@@ -270,6 +284,8 @@ macro_rules! field_params {
                     xi: self.xi,
                     eta: self.eta,
                     influence_distance_m: self.influence_distance_m,
+                    minimum_force: self.minimum_force,
+                    goal_capture_m: self.goal_capture_m,
                 };
                 $crate::field_descent::params::FieldSettings {
                     source: self.map,
@@ -282,7 +298,7 @@ macro_rules! field_params {
                         step: keys.step(),
                         minimum_force: self.minimum_force,
                         goal_tolerance_m: self.goal_tolerance_m,
-                        goal_capture_m: self.goal_capture_m,
+                        goal_capture_m: keys.goal_capture_m(),
                         stall_window: self.stall_window,
                         stall_ratio: self.stall_ratio,
                         max_steps: self.max_steps,
