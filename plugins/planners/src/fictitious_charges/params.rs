@@ -60,7 +60,8 @@ pub struct ChargeParams {
     pub side: ChargeSide,
     /// `unit` (exactly `distance_m` away) or `literal` (as the source prints it).
     pub placement: ChargePlacement,
-    /// Farther away than this it has no effect, meters; absent: it has everywhere. `form = "quadratic"` needs about 4.
+    /// Farther away than this it has no effect, meters; absent: it has everywhere. Forms other than `conic` need about 4, or
+    /// charges move the place of rest away from the goal.
     pub range_m: Option<f64>,
 }
 

@@ -159,7 +159,7 @@ macro_rules! field_params {
             pub group: $crate::field_descent::Grouping,
             /// Attraction of the goal: `conic` (the same force everywhere, as published), `quadratic` (grows with the
             /// distance, as in textbooks; needs a small `xi`, `goal_capture_m`, and charges of limited range) or
-            /// `combined` (quadratic within `combined_radius_m`, conic beyond).
+            /// `combined` (quadratic within `combined_radius_m`, conic beyond; needs charges of limited range as well).
             pub form: $crate::field_descent::AttractionForm,
             /// Strength of the attraction (`ξ`): the conic form draws with half of it.
             pub xi: f64,

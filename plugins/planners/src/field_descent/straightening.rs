@@ -20,9 +20,35 @@ pub struct StraightenRules {
     pub least_radius_m: f64,
 }
 
+/// Wider clearances that short cuts are tried with for a robot that cannot turn in place, as shares of its turning radius:
+/// a string that is taut around a corner turns on a circle as wide as the clearance.
+const WIDER: [f64; 4] = [0.5, 0.75, 1.0, 1.25];
+
 /// Legs of a walk: short cuts forwards and backwards until nothing gets shorter, collinear points removed, corners rounded.
+///
+/// For a robot that cannot turn in place, the way with the fewest corners that are too tight, of ways that keep different
+/// distances; the shortest among equals.
 pub fn straightened(walk: &[Point2], obstacles: &Obstacles, rules: &StraightenRules) -> Rounded {
-    let is_clear = |a: Point2, b: Point2| obstacles.is_clear(a, b, rules.clearance_m);
+    let mut best = straightened_at(walk, obstacles, rules, rules.clearance_m);
+    for share in WIDER {
+        let clearance_m = share * rules.least_radius_m;
+        if best.n_tight_corners == 0 {
+            break;
+        }
+        if clearance_m > rules.clearance_m && clearance_m < obstacles.reach_m() {
+            let way = straightened_at(walk, obstacles, rules, clearance_m);
+            let rank = |way: &Rounded| (way.n_tight_corners, length_m(&way.points));
+            if rank(&way) < rank(&best) {
+                best = way;
+            }
+        }
+    }
+    best
+}
+
+/// Short cuts keep `apart_m`, arcs the rules' clearance.
+fn straightened_at(walk: &[Point2], obstacles: &Obstacles, rules: &StraightenRules, apart_m: f64) -> Rounded {
+    let is_clear = |a: Point2, b: Point2| obstacles.is_clear(a, b, apart_m);
     let mut way = short_cut(walk, &is_clear);
     for _ in 0..MOST_PASSES {
         let before_m = length_m(&way);
@@ -35,8 +61,8 @@ pub fn straightened(walk: &[Point2], obstacles: &Obstacles, rules: &StraightenRu
             break;
         }
     }
-    let legs = without_collinear(&way);
-    rounded(&legs, rules.radius_m, rules.least_radius_m, &is_clear)
+    let has_room = |a: Point2, b: Point2| obstacles.is_clear(a, b, rules.clearance_m);
+    rounded(&without_collinear(&way), rules.radius_m, rules.least_radius_m, &has_room)
 }
 
 /// Each pass there and back lets corners move by about a spacing; a few take all of the slack.

@@ -11,6 +11,7 @@ use rumbo_core::trace::{Drawing, Trace};
 use rumbo_kit::potential::Obstacles;
 use rumbo_planners::fictitious_charges::FictitiousChargesParams;
 use rumbo_planners::field_descent::MapSource;
+use rumbo_planners::field_descent::descent::PlacedCharge;
 use rumbo_planners::field_descent::straightening::length_m;
 use std::sync::Arc;
 
@@ -90,14 +91,15 @@ fn forgotten_charges_push_no_more() {
     let forgetful = FictitiousChargesParams { forget: true, ..FictitiousChargesParams::default() };
     let forgot = scene.charged(&forgetful, start);
     assert!(has_arrived(&forgot));
-    assert_eq!(forgot.charges.len(), kept.charges.len());
+    assert_eq!(forgot.charges[0], kept.charges[0]);
     // The same until the first is left behind, and not afterwards.
     let same = forgot.points.iter().zip(&kept.points).take_while(|(a, b)| a == b).count();
     assert!(same > 450 && same < forgot.points.len(), "{same} of {}", forgot.points.len());
     let parting = forgot.points[same - 1];
-    let first = forgot.charges[0];
-    assert!((parting - goal()).norm() < (first.detected_at - goal()).norm());
-    assert!((parting - first.at).norm() > 2.9);
+    let is_left_behind = |charge: &PlacedCharge| {
+        (parting - goal()).norm() < (charge.detected_at - goal()).norm() && (parting - charge.at).norm() > 2.9
+    };
+    assert!(forgot.charges.iter().any(is_left_behind));
     for run in runs() {
         assert!(has_arrived(&scene.charged(&forgetful, run.start)), "{}", run.start);
     }
@@ -123,7 +125,7 @@ fn corners_are_as_wide_as_the_robot_turns() {
         n_tight += f64::from(u8::from(radius_m < 0.95));
     }
     let told = counter(&counters, "tight_corners");
-    assert!(told == 0.0 && n_tight == 0.0, "{n_tight} tight, {told} told of");
+    assert!(told == 0.0 && n_tight == 0.0, "{n_tight} tight, {told} told of, {} points", points.len());
     assert!(length_m(&points) < 45.0);
 }
 

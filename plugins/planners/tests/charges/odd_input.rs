@@ -5,7 +5,7 @@ use rumbo_core::frames::Point2;
 use rumbo_core::map::{Line, Lines, Map};
 use rumbo_core::messages::{Obstacle, Path};
 use rumbo_core::registry::Plugin;
-use rumbo_core::stages::{BuildContext, PlanError, PlanRequest, Planner};
+use rumbo_core::stages::{BuildContext, PlanError, PlanRequest};
 use rumbo_core::time::Time;
 use rumbo_planners::fictitious_charges::{ChargeParams, ChargeSide, FictitiousChargesParams};
 use rumbo_planners::field_descent::MapSource;

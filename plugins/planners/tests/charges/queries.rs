@@ -139,7 +139,7 @@ mod tests {
             charged.n_arrived,
             on_grid.n_arrived
         );
-        assert!(plain.n_arrived < 120, "{}", plain.n_arrived);
+        assert!(plain.n_arrived < 135, "{}", plain.n_arrived);
         for tally in [&plain, &charged, &on_grid] {
             // No way is shorter than the shortest.
             assert!(tally.quantile(0.0) > 0.999, "{}", tally.quantile(0.0));

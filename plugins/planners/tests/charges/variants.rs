@@ -147,10 +147,15 @@ fn adaptive_steps_arrive_from_every_start_in_fewer_steps() {
     assert!(3 * n_adaptive < n_constant, "{n_adaptive} {n_constant}");
 }
 
+/// Charges move the place of rest where the attraction fades, too: with an unlimited range, nine starts arrive.
 #[test]
-fn the_combined_form_arrives_from_every_start() {
-    let params =
-        FictitiousChargesParams { form: AttractionForm::Combined, ..FictitiousChargesParams::default() };
+fn the_combined_form_arrives_from_every_start_with_charges_of_limited_range() {
+    let combined = |range_m: Option<f64>| FictitiousChargesParams {
+        form: AttractionForm::Combined,
+        charge: ChargeParams { range_m, ..ChargeParams::default() },
+        ..FictitiousChargesParams::default()
+    };
     let starts: Vec<Point2> = runs().iter().map(|run| run.start).collect();
-    assert_eq!(n_arrived(&params, &starts), 16);
+    assert_eq!(n_arrived(&combined(Some(4.0)), &starts), 16);
+    assert_eq!(n_arrived(&combined(None), &starts), 9);
 }
