@@ -64,6 +64,8 @@ pub(super) struct Planning {
     pub robot: Arc<Robot>,
     /// The grid of the last request: the map's with all obstacles.
     pub grid: Option<Grid>,
+    /// Planners draw, whether or not the other stages do.
+    pub is_drawn: bool,
     /// Debug drawings of the last plan.
     pub drawings: Vec<Drawing>,
     /// Counters of the last plan.
@@ -88,6 +90,7 @@ impl Planning {
             task: None,
             robot,
             grid: None,
+            is_drawn: false,
             drawings: Vec::new(),
             counters: Vec::new(),
             running: None,
@@ -149,7 +152,7 @@ impl Planning {
             robot: self.robot.clone(),
             obstacles: nav.memory.obstacles().to_vec(),
             give_up: Default::default(),
-            trace: at.trace.fresh(),
+            trace: if self.is_drawn { Trace::watched() } else { at.trace.fresh() },
         };
         let is_beside = seat.background.is_threaded();
         if !is_beside {

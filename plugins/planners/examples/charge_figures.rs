@@ -26,11 +26,14 @@ use shortest::ShortestWays;
 /// Where the random ways begin.
 const SEED: u64 = 1986;
 
+fn built(params: &impl Plugin<dyn Planner>) -> Box<dyn Planner> {
+    params.build(&BuildContext::bare("planner")).unwrap()
+}
+
 fn main() {
     let number = std::env::args().nth(1).and_then(|word| word.parse().ok()).unwrap_or(1000);
     let (asked, map) = (queries(number, SEED), map());
     let shortest = ShortestWays::new(warehouse::racks(), 0.3);
-    let built = |params: &dyn Plugin<dyn Planner>| params.build(&BuildContext::bare("planner")).unwrap();
     let lines = MapSource::Lines;
     let charges = FictitiousChargesParams { map: lines, ..FictitiousChargesParams::default() };
     let planners: Vec<(&str, Box<dyn Planner>)> = vec![

@@ -7,8 +7,10 @@ mod warehouse;
 
 mod acceptance;
 mod limits;
+mod log_lines;
 mod maps;
 mod odd_input;
 mod queries;
+mod random_ways;
 mod traps;
 mod variants;

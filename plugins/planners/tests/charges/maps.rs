@@ -16,7 +16,7 @@ fn path(params: &FictitiousChargesParams, request: &PlanRequest) -> Path {
     params.build(&BuildContext::bare("planner")).unwrap().plan(request).unwrap()
 }
 
-fn on_lines(group: Grouping) -> FictitiousChargesParams {
+pub fn on_lines(group: Grouping) -> FictitiousChargesParams {
     FictitiousChargesParams {
         map: MapSource::Lines,
         group,
@@ -100,8 +100,8 @@ fn lines_without_groups_are_accepted_as_they_are() {
     }
 }
 
-/// The map of the line filter's run as far as it is published: hall and columns with their true lines, and each line
-/// seen with an error of a few centimeters, as SLAM leaves them. FC-A11 without the filter itself.
+/// Hall and columns of the published log with their true lines, each off by a few centimeters and with ends that do not
+/// meet, as SLAM leaves them.
 #[test]
 fn a_hall_of_lines_with_errors_is_planned_through() {
     let mut lines = Vec::new();

@@ -110,19 +110,3 @@ fn enters(low: &Point2, high: &Point2, a: Point2, b: Point2) -> bool {
     }
     t0 <= t1
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_way_around_one_rack_is_its_taut_string() {
-        let rack = [Point2::new(-1.0, -1.0), Point2::new(1.0, 1.0)];
-        let ways = ShortestWays::new(vec![rack], 0.5);
-        // Up along the side, a quarter of a circle, along the top, another quarter, and down again.
-        let found = ways.length_m(Point2::new(-1.5, 0.0), Point2::new(1.5, 0.0));
-        let quarter = 0.25 * std::f64::consts::TAU * 0.5;
-        assert!((found - (1.0 + 2.0 + 1.0 + 2.0 * quarter)).abs() < 0.01, "{found}");
-        assert_eq!(ways.length_m(Point2::new(-3.0, 2.0), Point2::new(3.0, 2.0)), 6.0);
-    }
-}
