@@ -107,7 +107,7 @@ fn a_planner_that_is_always_stuck_is_told() {
         make(context, |inner, request| {
             let path = inner.plan(request)?;
             let place = Point2::from(request.start.translation.vector);
-            let is_straight = path.length_m() < 1.09 * (path.end().position - place).norm();
+            let is_straight = path.length_m() <= 1.09 * (path.end().position - place).norm();
             let reason = "a bend".to_owned();
             if is_straight { Ok(path) } else { Err(PlanError::Stuck { place, reason }) }
         })

@@ -63,8 +63,8 @@ fn joined(wall: &[Point2; 2], seen: &[Point2; 2]) -> [Point2; 2] {
 #[test]
 fn lines_from_the_logs_scans_are_planned_through_unchanged() {
     let walls = walls();
-    // 28 lines are there; some faces of columns are seen in two pieces, some from one side only.
-    assert!((20..=45).contains(&walls.len()), "{}", walls.len());
+    // 28 lines are there; the robot drives in the middle of the hall and never sees the far faces of its columns.
+    assert!((16..=28).contains(&walls.len()), "{}", walls.len());
     let line =
         |[from, to]: &[Point2; 2]| Line { from: [from.x, from.y], to: [to.x, to.y], ..Line::default() };
     let map = Map {
