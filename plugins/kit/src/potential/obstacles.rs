@@ -114,6 +114,15 @@ impl Obstacles {
         self.index.n_entries()
     }
 
+    /// Lower and upper corner of the rectangle around all ends of pieces; none where there are none.
+    pub fn bounds(&self) -> Option<(Point2<f64>, Point2<f64>)> {
+        let ends = || self.segments.iter().flat_map(|segment| [segment.from, segment.from + segment.along]);
+        let first = ends().next()?;
+        let fold =
+            |k: fn(f64, f64) -> f64| ends().fold(first, |all, p| Point2::new(k(all.x, p.x), k(all.y, p.y)));
+        Some((fold(f64::min), fold(f64::max)))
+    }
+
     /// Visits every obstacle within reach, in order, with its nearest point; among equals the first piece wins.
     #[inline]
     pub fn near(&self, at: Point2<f64>, mut visit: impl FnMut(Nearest)) {

@@ -14,8 +14,9 @@ use rumbo_kit::potential::{Field, Obstacles};
 
 /// Cells along the longer side of the map that the potential is drawn from.
 const MOST_CELLS: f64 = 160.0;
-/// Around the walk, meters.
+/// Around the walk: at least so many meters, and this share of the longer side of the rectangle around it.
 const MARGIN_M: f64 = 3.0;
+const MARGIN_SHARE: f64 = 0.5;
 /// Levels of the potential that are drawn.
 const LEVELS: usize = 16;
 
@@ -49,8 +50,14 @@ pub(super) fn draw(request: &PlanRequest, field: &Field<'_>, charges: Option<&Ch
 fn frame(field: &Field<'_>, walk: &Walk) -> MapFrame {
     let mut points = vec![field.goal];
     points.extend(&walk.points);
-    let (lower, upper) = around(&points, MARGIN_M);
-    let (wide_m, high_m) = (upper.x - lower.x, upper.y - lower.y);
+    let (lower, upper) = around(&points, 0.0);
+    let margin_m = MARGIN_M.max(MARGIN_SHARE * (upper.x - lower.x).max(upper.y - lower.y));
+    let (mut lower, mut upper) = around(&points, margin_m);
+    if let Some((map_lower, map_upper)) = field.obstacles.bounds() {
+        lower = Point2::new(lower.x.max(map_lower.x), lower.y.max(map_lower.y));
+        upper = Point2::new(upper.x.min(map_upper.x), upper.y.min(map_upper.y));
+    }
+    let (wide_m, high_m) = ((upper.x - lower.x).max(0.0), (upper.y - lower.y).max(0.0));
     let cell_m = (wide_m.max(high_m) / MOST_CELLS).max(1e-3);
     let n = |length_m: f64| (length_m / cell_m).ceil().min(MOST_CELLS) as usize + 1;
     MapFrame { size: GridSize::new(n(wide_m), n(high_m)), origin: lower, cell_m }

@@ -94,7 +94,9 @@ fn numbers_that_are_not_finite_are_named_and_nothing_is_near_nothing() {
     assert_eq!(Obstacles::new(&spoiled, 2.0).err(), Some(NotFinite { group: 7 }));
     let empty = Obstacles::new(&[], 2.0).unwrap();
     assert_eq!(empty.clearance_m(Point2::origin()), f64::INFINITY);
+    assert_eq!(empty.bounds(), None);
     let warehouse = Obstacles::new(&groups(), 2.0).unwrap();
+    assert_eq!(warehouse.bounds(), Some((Point2::origin(), Point2::new(40.0, 30.0))));
     for odd in [f64::NAN, f64::INFINITY, -1e300] {
         assert_eq!(warehouse.clearance_m(Point2::new(odd, 3.0)), f64::INFINITY);
     }
