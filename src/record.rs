@@ -118,7 +118,7 @@ pub struct RunRecord {
     /// What the sensors see, where that was asked for.
     #[serde(default)]
     pub seen: Vec<SeenRegion>,
-    /// What the planner drew of the last path.
+    /// What the planner drew of its last plan, also where that failed.
     #[serde(default)]
     pub plan_drawings: Vec<PlanDrawing>,
     /// The effective pipeline.

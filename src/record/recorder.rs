@@ -115,7 +115,15 @@ impl Recorder {
         }
         let points = path.points().iter().map(|point| [point.position.x, point.position.y]).collect();
         self.paths.push(PathRecord { time_s: view.now.as_secs(), points });
-        self.plan_drawings = view.drawings.iter().filter_map(plan_drawing).collect();
+    }
+
+    /// Also of a plan that failed: then they say most.
+    fn keep_drawings(&mut self, view: &StepView<'_>) {
+        let is_plan =
+            |kind: &EventKind| matches!(kind, EventKind::PlanFound { .. } | EventKind::PlanFailed { .. });
+        if view.events.iter().any(|event| is_plan(&event.kind)) {
+            self.plan_drawings = view.drawings.iter().filter_map(plan_drawing).collect();
+        }
     }
 
     fn note_events(&mut self, view: &StepView<'_>) {
@@ -159,6 +167,7 @@ impl Observer for Recorder {
         }
         self.sample(view);
         self.follow_path(view);
+        self.keep_drawings(view);
         self.note_events(view);
     }
 }

@@ -66,7 +66,7 @@ pub(super) struct Planning {
     pub grid: Option<Grid>,
     /// Planners draw, whether or not the other stages do.
     pub is_drawn: bool,
-    /// Debug drawings of the last plan.
+    /// Debug drawings of the last plan, of both planners where the second one was asked.
     pub drawings: Vec<Drawing>,
     /// Counters of the last plan.
     pub counters: Vec<(&'static str, f64)>,
@@ -188,7 +188,12 @@ impl Planning {
         };
         let (goal, by_fallback) = (running.goal, running.by_fallback);
         self.running = None;
-        (self.drawings, self.counters) = planned.seen;
+        let (drawings, counters) = planned.seen;
+        if !by_fallback {
+            self.drawings.clear();
+        }
+        self.drawings.extend(drawings);
+        self.counters = counters;
         let seat = if by_fallback { &mut self.fallback } else { &mut self.main };
         if let Some(seat) = seat {
             seat.planner = Some(planned.planner);
