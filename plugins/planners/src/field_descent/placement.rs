@@ -96,7 +96,7 @@ impl Minimum {
         self.at + offset * distance_m
     }
 
-    fn to_goal(&self) -> Vector2<f64> {
+    fn to_goal(self) -> Vector2<f64> {
         (self.goal - self.at).try_normalize(NO_DIRECTION).unwrap_or_else(Vector2::x)
     }
 }
