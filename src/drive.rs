@@ -52,6 +52,7 @@ pub fn drive_engine(
     interrupt: &AtomicBool,
 ) -> Driven {
     let (mut metrics, mut recorder) = (Metrics::new(), Recorder::default());
+    engine.watch_plans();
     let clock = Instant::now();
     let end = {
         let mut observers: Vec<&mut dyn Observer> = vec![&mut metrics, &mut recorder];

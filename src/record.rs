@@ -73,6 +73,17 @@ pub struct SeenRegion {
     pub outline: Vec<[f64; 2]>,
 }
 
+/// What a planner drew of its last plan.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlanDrawing {
+    /// What it shows, in the planner's words.
+    pub name: String,
+    /// Single points, not a chain.
+    pub is_points: bool,
+    /// Places in the map's frame, meters.
+    pub points: Vec<[f64; 2]>,
+}
+
 /// A whole run, made small.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
@@ -107,6 +118,9 @@ pub struct RunRecord {
     /// What the sensors see, where that was asked for.
     #[serde(default)]
     pub seen: Vec<SeenRegion>,
+    /// What the planner drew of its last plan, also where that failed.
+    #[serde(default)]
+    pub plan_drawings: Vec<PlanDrawing>,
     /// The effective pipeline.
     pub config: String,
 }
@@ -230,6 +244,7 @@ pub fn test_record() -> RunRecord {
         n_events_left_out: 0,
         map: Some(MapImage { width: 40, height: 30, pixel_m: 0.1, origin: [-0.5, -1.0, 0.0], gray }),
         seen: Vec::new(),
+        plan_drawings: Vec::new(),
         config: "name = \"a room & <its> robot\"\n".into(),
     }
 }

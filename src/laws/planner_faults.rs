@@ -1,9 +1,10 @@
 //! Laws of planners: what cannot be planned is said by its name.
 
 use super::law::{Trouble, Verdict, expect};
-use super::planners::Asked;
+use super::planners::{Asked, OnAWay};
 use super::subject::Subject;
 use super::text_world::TextWorld;
+use nalgebra::Vector2;
 use rumbo_core::frames::{Point2, pose2};
 use rumbo_core::map::{Layer, Map};
 use rumbo_core::messages::{Check, Path};
@@ -27,12 +28,20 @@ pub fn names_bad_goals(subject: &Subject) -> Verdict {
     let answer = asked.planner.plan(&outside);
     let is_named = matches!(answer, Err(PlanError::GoalOutside { .. }));
     expect(is_named, || told("a goal outside the map", &answer), "PlanError::GoalOutside")?;
-    let mut closed = asked.request(&world);
+    let OnAWay { asked: mut closed_in, world, why_not_rooms } = OnAWay::new(subject)?;
+    let mut closed = closed_in.request(&world);
     if let Some(grid) = closed.grid.as_mut() {
-        // The doorway is a part of the wall at 3.0 m to 3.25 m.
-        (0..75).for_each(|k| grid.occupy_disc(Point2::new(3.1, 0.05 * f64::from(k)), 0.0));
+        if why_not_rooms.is_empty() {
+            // The doorway is a part of the wall at 3.0 m to 3.25 m.
+            (0..75).for_each(|k| grid.occupy_disc(Point2::new(3.1, 0.05 * f64::from(k)), 0.0));
+        } else {
+            // A ring around the goal.
+            let on_ring =
+                |k: u32| Vector2::new((0.01 * f64::from(k)).cos(), (0.01 * f64::from(k)).sin()) * 1.5;
+            (0..629).for_each(|k| grid.occupy_disc(world.goal.position + on_ring(k), 0.05));
+        }
     }
-    let answer = asked.planner.plan(&closed);
+    let answer = closed_in.planner.plan(&closed);
     let is_named = matches!(answer, Err(PlanError::Unreachable { .. } | PlanError::Stuck { .. }));
     let expected = "PlanError::Unreachable, or Stuck where its own search ends";
     expect(is_named, || told("a goal behind a wall", &answer), expected)?;

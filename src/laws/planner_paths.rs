@@ -1,7 +1,7 @@
 //! Laws of planners: what a path is.
 
 use super::law::{Trouble, Verdict, expect};
-use super::planners::Asked;
+use super::planners::OnAWay;
 use super::subject::Subject;
 use super::text_world::TextWorld;
 use rumbo_core::frames::{Point2, pose2};
@@ -12,10 +12,11 @@ use rumbo_core::messages::{Check, Path};
 const STEP_M: f64 = 0.005;
 
 pub fn joins_start_and_goal(subject: &Subject) -> Verdict {
-    let mut world = TextWorld::rooms()?;
+    let mut way = OnAWay::new(subject)?;
+    let mut world = way.world.clone();
     // A start beside the middle of its cell tells those who begin at the middle.
     world.start *= pose2(0.013, -0.017, 0.3);
-    let path = Asked::new(subject)?.path(&world)?;
+    let path = way.asked.path(&world)?;
     let start: Point2 = world.start.translation.vector.into();
     let Some(first) = path.points().first() else {
         return Err(Trouble::broken("a path without points", "at least one point"));
@@ -30,12 +31,13 @@ pub fn joins_start_and_goal(subject: &Subject) -> Verdict {
     let cell_m = world.grid.resolution_m();
     let found = || format!("it ends {off_goal_m:.3} m from the goal");
     expect(off_goal_m <= cell_m, found, format!("an end within {cell_m} m of the goal"))?;
-    Ok(format!("ends {off_goal_m:.3} m from the goal"))
+    way.told(format!("ends {off_goal_m:.3} m from the goal"))
 }
 
 pub fn touches_nothing(subject: &Subject) -> Verdict {
-    let world = TextWorld::rooms()?;
-    let path = Asked::new(subject)?.path(&world)?;
+    let mut way = OnAWay::new(subject)?;
+    let world = way.world.clone();
+    let path = way.asked.path(&world)?;
     for at in places(&path) {
         let class = world.grid.cell_at(at).map(|cell| world.grid.class(cell));
         let found = || {
@@ -48,12 +50,13 @@ pub fn touches_nothing(subject: &Subject) -> Verdict {
         };
         expect(class == Some(CellClass::Free), found, "free cells only")?;
     }
-    Ok(format!("{:.2} m", path.length_m()))
+    way.told(format!("{:.2} m", path.length_m()))
 }
 
 pub fn keeps_the_clearance(subject: &Subject) -> Verdict {
-    let world = TextWorld::rooms()?;
-    let path = Asked::new(subject)?.path(&world)?;
+    let mut way = OnAWay::new(subject)?;
+    let world = way.world.clone();
+    let path = way.asked.path(&world)?;
     let parameters = subject.parameters();
     let own_m = ["minimum_clearance_m", "clearance_m"]
         .iter()
@@ -67,24 +70,34 @@ pub fn keeps_the_clearance(subject: &Subject) -> Verdict {
         let found = || format!("{least_m:.3} m to a wall at ({:.2}, {:.2}) m", at.x, at.y);
         expect(least_m >= allowed_m, found, format!("at least {needed_m:.2} m, less one cell"))?;
     }
-    Ok(format!("{least_m:.2} m at the least, {needed_m:.2} m wanted"))
+    way.told(format!("{least_m:.2} m at the least, {needed_m:.2} m wanted"))
 }
 
 pub fn is_finite(subject: &Subject) -> Verdict {
-    let mut asked = Asked::new(subject)?;
-    for world in [TextWorld::rooms()?, TextWorld::coarse_rooms()?, TextWorld::hall()?] {
-        let path = asked.path(&world)?;
+    let mut way = OnAWay::new(subject)?;
+    let world = way.world.clone();
+    let mut paths = vec![way.asked.path(&world)?];
+    for world in [TextWorld::coarse_rooms()?, TextWorld::hall()?] {
+        if way.why_not_rooms.is_empty() {
+            paths.push(way.asked.path(&world)?);
+        } else {
+            let request = way.asked.request(&world);
+            paths.extend(way.asked.planner.plan(&request));
+        }
+    }
+    for path in paths {
         path.check().map_err(|fault| Trouble::broken(fault.to_string(), "finite numbers"))?;
     }
-    Ok(String::new())
+    way.told(String::new())
 }
 
 pub fn passes_the_heading_on(subject: &Subject) -> Verdict {
-    let mut world = TextWorld::rooms()?;
+    let mut way = OnAWay::new(subject)?;
+    let mut world = way.world.clone();
     world.goal.yaw_rad = Some(1.0);
-    let yaw_rad = Asked::new(subject)?.path(&world)?.end().yaw_rad;
+    let yaw_rad = way.asked.path(&world)?.end().yaw_rad;
     expect(yaw_rad == Some(1.0), || format!("the last point's heading is {yaw_rad:?}"), "Some(1.0)")?;
-    Ok(String::new())
+    way.told(String::new())
 }
 
 /// Places along a path. A path with numbers that are none has no places: another law says so.

@@ -77,8 +77,51 @@ impl Asked {
     }
 }
 
+/// The planner with a world that it must find its way through: the rooms, or the open floor for one that says of the rooms
+/// that its own search ended (`Stuck`), or that it keeps farther from walls than the goal lies (`GoalTooClose`).
+pub struct OnAWay {
+    /// The planner.
+    pub asked: Asked,
+    /// The world.
+    pub world: TextWorld,
+    /// What it said of the rooms; empty where it found its way.
+    pub why_not_rooms: String,
+}
+
+impl OnAWay {
+    /// A new planner and its world.
+    pub fn new(subject: &Subject) -> Result<OnAWay, Trouble> {
+        let (mut asked, rooms) = (Asked::new(subject)?, TextWorld::rooms()?);
+        let request = asked.request(&rooms);
+        let why = match asked.planner.plan(&request) {
+            Err(error @ (PlanError::Stuck { .. } | PlanError::GoalTooClose { .. })) => error.to_string(),
+            _ => {
+                return Ok(OnAWay {
+                    asked: Asked::new(subject)?,
+                    world: rooms,
+                    why_not_rooms: String::new(),
+                });
+            }
+        };
+        Ok(OnAWay { asked: Asked::new(subject)?, world: TextWorld::open()?, why_not_rooms: why })
+    }
+
+    /// What is told beside a law that was kept.
+    pub fn told(&self, what: String) -> Verdict {
+        let rooms = &self.why_not_rooms;
+        if rooms.is_empty() {
+            return Ok(what);
+        }
+        Ok(format!(
+            "{what}{}on the open floor, for in the rooms {rooms}",
+            if what.is_empty() { "" } else { "; " }
+        ))
+    }
+}
+
 fn deterministic(subject: &Subject) -> Verdict {
-    let world = TextWorld::rooms()?;
+    let way = OnAWay::new(subject)?;
+    let world = way.world.clone();
     let (mut one, mut other) = (Asked::new(subject)?, Asked::new(subject)?);
     let first = one.path(&world)?;
     let same = |path: &Path, which: &str| {
@@ -97,13 +140,13 @@ fn deterministic(subject: &Subject) -> Verdict {
     back.goal = Goal { position: translation.vector.into(), yaw_rad: None };
     other.path(&back)?;
     same(&other.path(&world)?, "another planner that planned the way back before")?;
-    Ok(String::new())
+    way.told(String::new())
 }
 
 fn symmetric(subject: &Subject) -> Verdict {
-    let world = TextWorld::rooms()?;
-    let mut asked = Asked::new(subject)?;
-    let length_m = asked.path(&world)?.length_m();
+    let mut way = OnAWay::new(subject)?;
+    let world = way.world.clone();
+    let length_m = way.asked.path(&world)?.length_m();
     let allowed_m = 2.0 * world.grid.resolution_m() + 0.02 * length_m;
     let mut worst_m = 0f64;
     for turn in Turn::BOTH {
@@ -115,7 +158,7 @@ fn symmetric(subject: &Subject) -> Verdict {
             format!("a difference of at most {allowed_m:.3} m"),
         )?;
     }
-    Ok(format!("{length_m:.2} m, and at most {worst_m:.3} m more or less"))
+    way.told(format!("{length_m:.2} m, and at most {worst_m:.3} m more or less"))
 }
 
 fn gives_up_at_once(subject: &Subject) -> Verdict {

@@ -47,6 +47,29 @@ pub const HALL: &str = "
 /// Edge of a letter of [`HALL`], meters.
 pub const HALL_LETTER_M: f64 = 0.5;
 
+/// Edge of a letter of [`OPEN`], meters.
+pub const OPEN_LETTER_M: f64 = 0.5;
+
+/// Nothing stands between start and goal, and little beside the way: a search that may end early finds it all the same.
+pub const OPEN: &str = "
+    ##########################
+    #........................#
+    #........................#
+    #........................#
+    #........................#
+    #........#..........G....#
+    #........................#
+    #........................#
+    #........................#
+    #........................#
+    #........................#
+    #....S...................#
+    #........................#
+    #........................#
+    #........................#
+    #........................#
+    ##########################";
+
 /// A drawn world: `#` occupied, `?` unknown, `S` start, `G` goal, anything else free.
 #[derive(Debug, Clone)]
 pub struct TextWorld {
@@ -101,6 +124,11 @@ impl TextWorld {
     /// The hall, in cells of 5 cm.
     pub fn hall() -> Result<TextWorld, Trouble> {
         TextWorld::drawn(HALL, HALL_LETTER_M, 10)
+    }
+
+    /// The open floor, in cells of 5 cm.
+    pub fn open() -> Result<TextWorld, Trouble> {
+        TextWorld::drawn(OPEN, OPEN_LETTER_M, 10)
     }
 
     /// A way through `n` by `n` cells of 10 cm that winds from wall to wall.

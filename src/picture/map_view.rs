@@ -14,7 +14,7 @@ pub struct Sign {
 }
 
 /// The legend, in reading order.
-pub const SIGNS: [Sign; 9] = [
+pub const SIGNS: [Sign; 12] = [
     Sign { role: Role::Start, words: "start" },
     Sign { role: Role::Goal, words: "goal" },
     Sign { role: Role::Truth, words: "true way" },
@@ -22,6 +22,9 @@ pub const SIGNS: [Sign; 9] = [
     Sign { role: Role::Ellipse, words: "95 % of the estimate" },
     Sign { role: Role::Path, words: "planned path" },
     Sign { role: Role::OldPath, words: "earlier path" },
+    Sign { role: Role::Draft, words: "way before it was straightened" },
+    Sign { role: Role::Level, words: "levels of the potential" },
+    Sign { role: Role::Mark, words: "fictitious charge" },
     Sign { role: Role::Obstacle, words: "obstacle found" },
     Sign { role: Role::Seen, words: "seen from the start" },
 ];
@@ -65,6 +68,7 @@ impl<'a> MapView<'a> {
         for region in &self.record.seen {
             self.ring(&mut sketch, Role::Seen, region.outline.iter().copied());
         }
+        self.plan_drawings(&mut sketch);
         self.earlier_paths(&mut sketch);
         self.ways(&mut sketch);
         self.last_path(&mut sketch);
@@ -112,6 +116,26 @@ impl<'a> MapView<'a> {
     fn last_path(&mut self, sketch: &mut Sketch) {
         let points = self.record.paths.last().map(|path| path.points.as_slice()).unwrap_or_default();
         self.chain(sketch, Role::Path, points.iter().copied());
+    }
+
+    /// Behind the paths. Drawings of names that are not known here belong to whoever looks at them elsewhere.
+    fn plan_drawings(&mut self, sketch: &mut Sketch) {
+        for drawing in &self.record.plan_drawings {
+            let role = match (drawing.name.as_str(), drawing.is_points) {
+                ("level of the potential", false) => Role::Level,
+                ("walk before it is straightened" | "path before refinement", false) => Role::Draft,
+                ("charges", true) => Role::Mark,
+                _ => continue,
+            };
+            if drawing.is_points {
+                for point in &drawing.points {
+                    sketch.circle(role, self.at(*point), 4.0);
+                    self.roles.push(role);
+                }
+            } else {
+                self.chain(sketch, role, drawing.points.iter().copied());
+            }
+        }
     }
 
     fn earlier_paths(&mut self, sketch: &mut Sketch) {

@@ -70,7 +70,7 @@ fn legend_entry(sheet: &mut Sketch, [x, y]: [f64; 2], sign: &Sign) {
     let middle = [x + 14.0, y - 5.0];
     match sign.role {
         Role::Start | Role::End | Role::Ellipse | Role::Seen => sheet.circle(sign.role, middle, 7.0),
-        Role::Obstacle => sheet.circle(sign.role, middle, 4.0),
+        Role::Obstacle | Role::Mark => sheet.circle(sign.role, middle, 4.0),
         Role::Goal => {
             sheet.circle(sign.role, middle, 7.0);
             for rise in [5.0, -5.0] {

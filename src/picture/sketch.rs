@@ -25,6 +25,12 @@ pub enum Role {
     Path,
     /// Paths that were given up.
     OldPath,
+    /// Levels of a planner's potential.
+    Level,
+    /// What a planner drew of its way before it was done.
+    Draft,
+    /// Single places that a planner marked.
+    Mark,
     /// Obstacles that the map does not show.
     Obstacle,
     /// The hull at the start.
@@ -66,7 +72,7 @@ pub struct Style {
 
 impl Role {
     /// All of them.
-    pub const ALL: [Role; 21] = [
+    pub const ALL: [Role; 24] = [
         Role::Paper,
         Role::Frame,
         Role::Rule,
@@ -77,6 +83,9 @@ impl Role {
         Role::Ellipse,
         Role::Path,
         Role::OldPath,
+        Role::Level,
+        Role::Draft,
+        Role::Mark,
         Role::Obstacle,
         Role::Start,
         Role::End,
@@ -117,6 +126,9 @@ impl Role {
             Role::Ellipse => Style { width: 0.8, stroke: Some(ORANGE), ..filled("ellipse", ORANGE, 0.12) },
             Role::Path => Style { dash: Some((7.0, 4.0)), ..line("path", PURPLE, 1.8) },
             Role::OldPath => Style { dash: Some((2.0, 4.0)), ..line("old-path", PURPLE, 1.4) },
+            Role::Level => line("level", (0xa9b7c6, 0x4a5866), 0.7),
+            Role::Draft => line("draft", GREEN, 1.0),
+            Role::Mark => Style { width: 1.2, stroke: Some(ORANGE), ..filled("mark", ORANGE, 0.55) },
             Role::Obstacle => Style { width: 1.0, stroke: Some(AMBER), ..filled("obstacle", AMBER, 0.75) },
             Role::Start => Style { width: 2.0, stroke: Some(GREEN), ..filled("start", GREEN, 0.25) },
             Role::End => Style { width: 2.0, stroke: Some(BLUE), ..filled("end", BLUE, 0.3) },

@@ -1,12 +1,13 @@
 //! The observer that writes a run down.
 
-use super::{EventRecord, PathRecord, RunRecord, SCHEMA, Sample, outline_of};
+use super::{EventRecord, PathRecord, PlanDrawing, RunRecord, SCHEMA, Sample, outline_of};
 use crate::picture::MapImage;
 use rumbo_core::engine::{EventKind, Observer, State, StepView};
 use rumbo_core::frames::{Pose2, flatten};
 use rumbo_core::map::Map;
 use rumbo_core::pipeline::Pipeline;
 use rumbo_core::time::{Span, Time};
+use rumbo_core::trace::Drawing;
 use std::collections::BTreeSet;
 
 /// Moments that are kept at most; when they are full every second one is dropped and half as many are taken.
@@ -25,6 +26,7 @@ pub struct Recorder {
     samples: Vec<Sample>,
     paths: Vec<PathRecord>,
     path_number: u64,
+    plan_drawings: Vec<PlanDrawing>,
     /// Obstacles in hundredths of a meter, so that the same one is kept once.
     obstacles: BTreeSet<[i32; 3]>,
     events: Vec<EventRecord>,
@@ -41,6 +43,7 @@ impl Default for Recorder {
             samples: Vec::with_capacity(ROOM),
             paths: Vec::new(),
             path_number: 0,
+            plan_drawings: Vec::new(),
             obstacles: BTreeSet::new(),
             events: Vec::with_capacity(EVENTS),
             n_events_left_out: 0,
@@ -70,6 +73,7 @@ impl Recorder {
             n_events_left_out: self.n_events_left_out,
             map: map.grid.as_ref().and_then(MapImage::of),
             seen: Vec::new(),
+            plan_drawings: self.plan_drawings,
             config,
         }
     }
@@ -113,6 +117,15 @@ impl Recorder {
         self.paths.push(PathRecord { time_s: view.now.as_secs(), points });
     }
 
+    /// Also of a plan that failed: then they say most.
+    fn keep_drawings(&mut self, view: &StepView<'_>) {
+        let is_plan =
+            |kind: &EventKind| matches!(kind, EventKind::PlanFound { .. } | EventKind::PlanFailed { .. });
+        if view.events.iter().any(|event| is_plan(&event.kind)) {
+            self.plan_drawings = view.drawings.iter().filter_map(plan_drawing).collect();
+        }
+    }
+
     fn note_events(&mut self, view: &StepView<'_>) {
         for event in view.events {
             if matches!(event.kind, EventKind::Blocked { .. }) {
@@ -154,8 +167,23 @@ impl Observer for Recorder {
         }
         self.sample(view);
         self.follow_path(view);
+        self.keep_drawings(view);
         self.note_events(view);
     }
+}
+
+/// Whole centimeters: a picture shows no more.
+fn plan_drawing(drawing: &Drawing) -> Option<PlanDrawing> {
+    let (name, is_points, points) = match drawing {
+        Drawing::Polyline { name, points } => (name, false, points),
+        Drawing::Points { name, points } => (name, true, points),
+        _ => return None,
+    };
+    let in_cm = |v: f64| (v * 100.0).round() * 0.01;
+    let mut points: Vec<[f64; 2]> = points.iter().map(|p| [in_cm(p.x), in_cm(p.y)]).collect();
+    points.retain(|point| point.iter().all(|v| v.is_finite()));
+    points.dedup();
+    Some(PlanDrawing { name: (*name).to_owned(), is_points, points })
 }
 
 fn numbers(pose: &Pose2) -> [f64; 3] {

@@ -66,10 +66,10 @@ fn legend(page: &mut String, signs: &[Sign]) {
     for sign in signs {
         let mut sample = Sketch::sheet(30.0, 14.0);
         match sign.role {
-            Role::Truth | Role::Estimate | Role::Path | Role::OldPath => {
+            Role::Truth | Role::Estimate | Role::Path | Role::OldPath | Role::Level | Role::Draft => {
                 sample.chain(sign.role, vec![[1.0, 7.0], [29.0, 7.0]]);
             }
-            Role::Obstacle => sample.circle(sign.role, [15.0, 7.0], 4.0),
+            Role::Obstacle | Role::Mark => sample.circle(sign.role, [15.0, 7.0], 4.0),
             _ => sample.circle(sign.role, [15.0, 7.0], 5.5),
         }
         let _ = writeln!(page, "<li>{}{}</li>", svg(&sample, sign.words).trim_end(), sign.words);

@@ -103,3 +103,29 @@ fn an_interrupt_stops_the_robot_and_still_says_how_it_went() {
     let figures: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(figures["reason"], "interrupted");
 }
+
+#[test]
+fn a_report_shows_the_last_plan_as_its_planner_saw_it_also_where_it_failed() {
+    let folder = scratch("run_drawings");
+    let report = folder.join("report.html");
+    let shown = |more: &[&str]| {
+        let path = report.to_str().unwrap();
+        let mut words = vec![
+            "run",
+            "pipelines/warehouse_charges.toml",
+            "--duration",
+            "1",
+            "--no-report",
+            "--report",
+            path,
+        ];
+        words.extend(more);
+        give(&words);
+        let page = std::fs::read_to_string(&report).unwrap();
+        ["levels of the potential", "fictitious charge", "way before it was straightened"]
+            .map(|words| page.contains(words))
+    };
+    assert_eq!(shown(&[]), [true; 3]);
+    // The walk without charges ends in front of a rack, and another planner drives.
+    assert_eq!(shown(&["--set", "planner.plugin=potential_field"]), [true, false, true]);
+}

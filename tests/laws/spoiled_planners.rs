@@ -89,6 +89,32 @@ fn a_planner_that_does_not_give_up_is_told() {
     breaks(stubborn, &["a raised give_up ends the search"]);
 }
 
+/// Planners whose search may end are let off the rooms, not the open floor.
+#[test]
+fn a_planner_that_is_always_stuck_is_told() {
+    let lazy = planner("lazy", |context| {
+        make(context, |inner, request| {
+            inner.plan(request)?;
+            let place = request.start.translation.vector.into();
+            Err(PlanError::Stuck { place, reason: "no step was taken".into() })
+        })
+    });
+    let report = report(lazy);
+    for law in ["a path begins at the start and ends at the goal", "every number of a path is finite"] {
+        assert!(broken(&report).contains(&law), "{}", told(report.broken()));
+    }
+    let only_open = planner("only_open_floors", |context| {
+        make(context, |inner, request| {
+            let path = inner.plan(request)?;
+            let place = Point2::from(request.start.translation.vector);
+            let is_straight = path.length_m() <= 1.09 * (path.end().position - place).norm();
+            let reason = "a bend".to_owned();
+            if is_straight { Ok(path) } else { Err(PlanError::Stuck { place, reason }) }
+        })
+    });
+    breaks(only_open, &[]);
+}
+
 #[test]
 fn a_planner_that_remembers_is_told() {
     static N_PLANS: AtomicU64 = AtomicU64::new(0);

@@ -64,7 +64,9 @@ pub(super) struct Planning {
     pub robot: Arc<Robot>,
     /// The grid of the last request: the map's with all obstacles.
     pub grid: Option<Grid>,
-    /// Debug drawings of the last plan.
+    /// Planners draw, whether or not the other stages do.
+    pub is_drawn: bool,
+    /// Debug drawings of the last plan, of both planners where the second one was asked.
     pub drawings: Vec<Drawing>,
     /// Counters of the last plan.
     pub counters: Vec<(&'static str, f64)>,
@@ -88,6 +90,7 @@ impl Planning {
             task: None,
             robot,
             grid: None,
+            is_drawn: false,
             drawings: Vec::new(),
             counters: Vec::new(),
             running: None,
@@ -149,7 +152,7 @@ impl Planning {
             robot: self.robot.clone(),
             obstacles: nav.memory.obstacles().to_vec(),
             give_up: Default::default(),
-            trace: at.trace.fresh(),
+            trace: if self.is_drawn { Trace::watched() } else { at.trace.fresh() },
         };
         let is_beside = seat.background.is_threaded();
         if !is_beside {
@@ -185,7 +188,12 @@ impl Planning {
         };
         let (goal, by_fallback) = (running.goal, running.by_fallback);
         self.running = None;
-        (self.drawings, self.counters) = planned.seen;
+        let (drawings, counters) = planned.seen;
+        if !by_fallback {
+            self.drawings.clear();
+        }
+        self.drawings.extend(drawings);
+        self.counters = counters;
         let seat = if by_fallback { &mut self.fallback } else { &mut self.main };
         if let Some(seat) = seat {
             seat.planner = Some(planned.planner);

@@ -57,6 +57,11 @@ impl Engine {
         self.trace = Trace::watched();
     }
 
+    /// From now on planners keep debug drawings and counters for observers; the other stages are left as they are.
+    pub fn watch_plans(&mut self) {
+        self.planning.is_drawn = true;
+    }
+
     /// From now on stages keep counters for observers.
     pub fn count(&mut self) {
         if !self.trace.is_counting() {

@@ -20,6 +20,7 @@ pub mod map_file;
 pub mod normal;
 pub mod occupancy;
 pub mod port;
+pub mod potential;
 pub mod proximity;
 pub mod ray;
 pub mod recording;

@@ -26,17 +26,8 @@ pub struct PlanGrid<'a> {
 impl<'a> PlanGrid<'a> {
     /// Checks a request: finite numbers, a grid, start and goal on it, the goal free.
     pub fn new(request: &'a PlanRequest) -> Result<Self, PlanError> {
-        let start: Point2 = request.start.translation.vector.into();
-        let goal = request.goal.position;
-        let numbers = [
-            ("the start's position", start.x + start.y),
-            ("the start's heading", request.start.rotation.angle()),
-            ("the goal's position", goal.x + goal.y),
-            ("the goal's heading", request.goal.yaw_rad.unwrap_or(0.0)),
-        ];
-        if let Some((what, _)) = numbers.into_iter().find(|(_, number)| !number.is_finite()) {
-            return Err(PlanError::NotFinite { what });
-        }
+        finite_numbers(request)?;
+        let (start, goal) = (Point2::from(request.start.translation.vector), request.goal.position);
         let grid = request.grid.as_ref().ok_or(PlanError::MissingLayer { layer: "grid" })?;
         let start_cell = grid.cell_at(start).ok_or(PlanError::StartOutside { start })?;
         let goal_cell = grid.cell_at(goal).ok_or(PlanError::GoalOutside { goal })?;
@@ -90,6 +81,20 @@ impl<'a> PlanGrid<'a> {
         let (col, row) = self.size.col_row(cell);
         self.grid.center_of(Cell { col: col as u32, row: row as u32 })
     }
+}
+
+/// Start and goal of a request are finite numbers.
+pub fn finite_numbers(request: &PlanRequest) -> Result<(), PlanError> {
+    let start = request.start.translation.vector;
+    let goal = request.goal.position;
+    let numbers = [
+        ("the start's position", start.x + start.y),
+        ("the start's heading", request.start.rotation.angle()),
+        ("the goal's position", goal.x + goal.y),
+        ("the goal's heading", request.goal.yaw_rad.unwrap_or(0.0)),
+    ];
+    let wrong = numbers.into_iter().find(|(_, number)| !number.is_finite());
+    wrong.map_or(Ok(()), |(what, _)| Err(PlanError::NotFinite { what }))
 }
 
 fn not_free(class: CellClass) -> Option<&'static str> {
