@@ -1,6 +1,8 @@
 //! Offices, scans in them, and trials of global localization: what benches, tests and figures share.
 #![allow(dead_code)]
 
+mod generated;
+
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use rumbo_core::frames::{Pose2, pose2, wrap_angle};

@@ -1,0 +1,19 @@
+//! Figures of global localization by landmarks.
+//!
+//! `cargo run --release -p rumbo-localizers --example relocalization_figures -- 300`: the published protocol, 300 trials a map.
+//! With a word instead of the number: `growth [CELLS ...]` maps of up to 2000 x 2000 cells.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]
+
+mod growth;
+mod protocol;
+#[path = "../../benches/relocalization_work/mod.rs"]
+mod relocalization_work;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let Some((first, rest)) = words.split_first() else { return protocol::run(300, &[]) };
+    match first.as_str() {
+        "growth" => growth::run(rest),
+        number => protocol::run(number.parse().expect("a number of trials, or a word"), rest),
+    }
+}
