@@ -85,7 +85,11 @@ fn fastest_ms(mut round: impl FnMut()) -> f64 {
 }
 
 /// Places that are found within 0.10 m, and wrong ones.
-fn verdicts(params: &LandmarkRelaxationParams, known: &Knowledge, looks: &[(Pose2, Vec<Sighting>)]) -> [usize; 2] {
+fn verdicts(
+    params: &LandmarkRelaxationParams,
+    known: &Knowledge,
+    looks: &[(Pose2, Vec<Sighting>)],
+) -> [usize; 2] {
     let mut locator = Locator::new(params.locator(), stream(1, "noise"));
     let mut counts = [0; 2];
     for (pose, seen) in looks {

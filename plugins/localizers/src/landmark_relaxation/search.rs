@@ -3,9 +3,10 @@
 use super::locator::{Hypothesis, Locator, Report, Verdict};
 use super::matching::Knowledge;
 use super::motion::Motion;
-use super::next_move::{MoveLimits, NextMove, next_move};
+use super::next_move::{MoveLimits, Situation, next_move};
+use super::open_ways::NextMove;
 use super::sighting::Sighting;
-use rumbo_core::frames::{Pose2, wrap_angle};
+use rumbo_core::frames::{Point2, Pose2, wrap_angle};
 use rumbo_core::messages::Wish;
 use rumbo_core::time::Time;
 use std::f64::consts::{PI, TAU};
@@ -59,6 +60,8 @@ pub struct Search {
     candidates: Option<(Vec<Hypothesis>, Pose2)>,
     has_failed: bool,
     n_moves: u32,
+    /// Where the odometer was at each verdict.
+    looked_from: Vec<Pose2>,
 }
 
 /// A view that covers a turn but for this much covers it, radians.
@@ -80,6 +83,7 @@ impl Search {
             candidates: None,
             has_failed: false,
             n_moves: 0,
+            looked_from: Vec::new(),
         }
     }
 
@@ -101,6 +105,7 @@ impl Search {
             // What was seen before cannot be joined to what comes.
             self.look_anew();
             self.candidates = None;
+            self.looked_from.clear();
         }
         match &mut self.phase {
             Phase::Looking(Some(motion)) => {
@@ -122,6 +127,7 @@ impl Search {
                 let [way_m, turn_rad] = apart(at, &odom_from_base);
                 if way_m >= ELSEWHERE[0] || turn_rad >= ELSEWHERE[1] {
                     self.look_anew();
+                    self.looked_from.clear();
                 }
             }
             Phase::Looking(None) | Phase::Found(..) => {}
@@ -182,8 +188,14 @@ impl Search {
         let may_move = self.settings.moves && self.n_moves < self.settings.most_moves;
         let poses: Vec<Pose2> =
             self.candidates.iter().flat_map(|(places, _)| places).map(|place| place.map_from_base).collect();
-        let panorama = self.locator.panorama(&self.sightings);
-        let next = may_move.then(|| next_move(known, &panorama, &poses, &self.settings.limits)).flatten();
+        self.looked_from.push(odom_from_base);
+        let base_from_odom = odom_from_base.inverse();
+        let looked_from: Vec<Point2> =
+            self.looked_from.iter().map(|pose| (base_from_odom * pose).translation.vector.into()).collect();
+        let panorama = &self.locator.panorama(&self.sightings);
+        let at = Situation { known, panorama, candidates: &poses, looked_from: &looked_from };
+        let n_left = self.settings.most_moves.saturating_sub(self.n_moves);
+        let next = may_move.then(|| next_move(&at, &self.settings.limits, n_left)).flatten();
         self.phase = match next {
             Some(NextMove { turn_rad, way_m }) => {
                 self.n_moves += 1;
