@@ -30,6 +30,8 @@ pub struct Course<'o> {
 pub enum Said {
     /// One place.
     Found,
+    /// One that fits not well enough.
+    Doubtful,
     /// Several.
     Ambiguous,
     /// None.
@@ -104,6 +106,9 @@ impl Course<'_> {
     fn said(&self, search: &Search, kept_the_truth: &mut bool) -> (Option<Said>, Option<Wish>, f64) {
         let off_m = |pose: &Pose2| (pose.translation.vector - self.map_from_base.translation.vector).norm();
         match search.progress() {
+            Progress::Looking(wish) if search.n_moves() > 0 => {
+                (Some(Said::Doubtful), Some(wish), f64::INFINITY)
+            }
             Progress::Looking(wish) => (None, Some(wish), f64::INFINITY),
             Progress::Found(place, _) => (Some(Said::Found), None, off_m(&place.map_from_base)),
             Progress::Lost(wish) => (Some(Said::Lost), wish, f64::INFINITY),

@@ -324,7 +324,7 @@ pub fn trial(
     let normal: f64 = StandardNormal.sample(&mut rng);
     let sightings = laser.look_around(office, &pose, &around, 0.02 * normal, &mut rng);
     let mut locator = Locator::new(params.locator(), stream(seed, "noise"));
-    let verdict = locator.locate(known, &sightings);
+    let verdict = locator.locate(known, &sightings, None);
     let mut outcome = Outcome {
         is_found: false,
         is_ambiguous: matches!(verdict, Verdict::Ambiguous(_)),

@@ -93,7 +93,7 @@ fn verdicts(
     let mut locator = Locator::new(params.locator(), stream(1, "noise"));
     let mut counts = [0; 2];
     for (pose, seen) in looks {
-        if let Verdict::Found(place) = locator.locate(known, seen) {
+        if let Verdict::Found(place) = locator.locate(known, seen, None) {
             let off_m = (place.map_from_base.translation.vector - pose.translation.vector).norm();
             counts[usize::from(off_m > 0.10)] += 1;
         }

@@ -51,8 +51,12 @@ const MOST_AHEAD: usize = 4;
 const WORTH_SHARE: f64 = 0.75;
 /// Places nearer to each other than this show the same, meters.
 const ELSEWHERE_M: f64 = 0.6;
+/// Multiples of the way after which more may be seen; the last are for those who can hardly move.
+const WAYS_TO_SEE_MORE: [&[f64]; 3] = [&[1.0, 2.0], &[0.5], &[0.25]];
+/// Directions in which they are tried.
+const N_DIRECTIONS: usize = 72;
 /// What stands nearer than this hides much, meters.
-const NEAR_M: f64 = 1.0;
+const NEAR_M: f64 = 1.5;
 
 /// The move after which the fewest candidates are left, or the first of as few of `most_moves` as leave fewer; where no
 /// candidates differ anywhere, to where the least is hidden. None where everything is shut.
@@ -160,19 +164,24 @@ fn square(place: &Pose2) -> [i64; 2] {
     [place.translation.x, place.translation.y].map(|part| (part / BETWEEN_ENDS_M[1]).floor() as i64)
 }
 
-/// To where the robot has not been yet and the least is hidden by things that are near.
+/// To where the least is hidden by things that are near: as far as is preferred, if any way is open so far, and where the robot
+/// has not been yet, if there is such a place.
 fn to_see_more(at: &Situation<'_>, limits: &MoveLimits) -> Option<NextMove> {
-    let mut least: Option<(f64, NextMove)> = None;
-    for ways in [1.0, 2.0, 0.5] {
-        for next in open_moves(at.panorama, 72, limits.way_m * ways, limits.radius_m) {
-            let end = Point2::from(next.base_from_next().translation.vector);
-            let is_known = at.looked_from.iter().any(|from| (from - end).norm() < ELSEWHERE_M);
-            let hidden = at.panorama.hidden_share(end, NEAR_M) + f64::from(is_known);
-            // Written so that of equal ones the first stays: the preferred length, and the smallest turn.
-            if least.is_none_or(|(so_far, _)| hidden < so_far - 0.02) {
-                least = Some((hidden, next));
-            }
-        }
-    }
-    least.map(|(_, next)| next)
+    let is_elsewhere = |next: &NextMove| {
+        let end = Point2::from(next.base_from_next().translation.vector);
+        at.looked_from.iter().all(|from| (from - end).norm() >= ELSEWHERE_M.min(0.9 * next.way_m))
+    };
+    let hidden = |next: &NextMove| {
+        let end = Point2::from(next.base_from_next().translation.vector);
+        at.panorama.hidden_share(end, NEAR_M)
+    };
+    // Of those that are alike the first is taken, with the smallest turn.
+    let least_hidden = |moves: &mut dyn Iterator<Item = NextMove>| {
+        moves.map(|next| (hidden(&next), next)).min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, next)| next)
+    };
+    let of_length = |ways: &f64| open_moves(at.panorama, N_DIRECTIONS, limits.way_m * ways, limits.radius_m);
+    let open = |ways: &'static [f64]| ways.iter().flat_map(of_length);
+    let elsewhere =
+        WAYS_TO_SEE_MORE.into_iter().find_map(|ways| least_hidden(&mut open(ways).filter(is_elsewhere)));
+    elsewhere.or_else(|| WAYS_TO_SEE_MORE.into_iter().find_map(|ways| least_hidden(&mut open(ways))))
 }

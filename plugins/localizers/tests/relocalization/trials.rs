@@ -153,7 +153,7 @@ fn of_two_rooms_that_look_the_same_none_is_believed() {
             let laser = Laser { deviation_m: 0.0, ..Laser::lms200() };
             let seen = laser.look_around(&office, &pose, &[], 0.0, &mut rng);
             let mut locator = Locator::new(params.locator(), stream(1, "noise"));
-            let verdict = locator.locate(&known, &seen);
+            let verdict = locator.locate(&known, &seen, None);
             let Verdict::Ambiguous(places) = verdict else { panic!("thesis {thesis_mode}: {verdict:?}") };
             // The two places are one room apart, and one is the truth.
             let apart =
@@ -212,12 +212,12 @@ fn a_robot_amid_what_nobody_knows_is_never_put_elsewhere() {
             let pose = rumbo_core::frames::pose2(at[0], at[1], rng.random_range(-3.0..3.0));
             let seen = Laser::lms200().look_around(&office, &pose, &[], 0.0, &mut rng);
             let mut locator = Locator::new(params.locator(), stream(1, "noise"));
-            match locator.locate(&known, &seen) {
+            match locator.locate(&known, &seen, None) {
                 Verdict::Found(place) => {
                     let off = (place.map_from_base.translation.vector - pose.translation.vector).norm();
                     n_wrong += i32::from(off > 0.2);
                 }
-                Verdict::Ambiguous(_) | Verdict::Nothing => n_told += 1,
+                Verdict::Doubtful(_) | Verdict::Ambiguous(_) | Verdict::Nothing => n_told += 1,
             }
         }
         // The source fails here without a word.
