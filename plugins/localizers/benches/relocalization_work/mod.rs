@@ -1,5 +1,5 @@
 //! Offices, scans in them, and trials of global localization: what benches, tests and figures share.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
 mod alike;
 mod course;

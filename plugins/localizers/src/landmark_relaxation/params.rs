@@ -42,7 +42,8 @@ pub struct LandmarkRelaxationParams {
     pub moves: bool,
     /// From so many other places the robot looks again when several places fit, or none.
     pub most_moves: u32,
-    /// Length of the way there that is tried first, meters.
+    /// Length of the way there that is tried first, meters; others are half of it to six times as long. Only where the robot
+    /// sees that the way is free.
     pub move_m: f64,
     /// Where the model of the map is kept, so that it is built once: `beside_map` (`MAP.SETTINGS.landmark_model`, with eight digits for these settings) or `none`.
     pub cache: ModelCache,
