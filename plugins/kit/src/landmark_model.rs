@@ -12,6 +12,7 @@ mod file;
 mod filter;
 mod look;
 mod order;
+mod regions;
 mod surroundings;
 
 #[cfg(test)]

@@ -78,7 +78,7 @@ fn whole(bencher: divan::Bencher, name: &str) {
     let work = Work::of(name);
     let mut locator = Locator::new(work.params.locator(), stream(1, "noise"));
     let count = divan::counter::ItemsCount::new(N_PLACES);
-    bencher
-        .counter(count)
-        .bench_local(|| work.seen.iter().map(|seen| locator.locate(&work.known, seen)).collect::<Vec<_>>());
+    bencher.counter(count).bench_local(|| {
+        work.seen.iter().map(|seen| locator.locate(&work.known, seen, None)).collect::<Vec<_>>()
+    });
 }

@@ -2,6 +2,7 @@
 
 use super::band::{Band, entry};
 use super::order::CellOrder;
+use super::regions::{REGION_PLACES, RegionIndex, pairs, seen_from};
 use super::surroundings::{ModelSettings, Surroundings, Tracer};
 use crate::GridSize;
 use rayon::prelude::*;
@@ -16,10 +17,21 @@ pub struct LandmarkModel {
     /// How many landmarks the cell at each place sees, at most 255; none where a cell is not free.
     pub(super) n_landmarks: Vec<u8>,
     pub(super) bands: Vec<Band>,
+    /// Which regions of a large map are worth a look.
+    pub(super) regions: RegionIndex,
 }
 
-/// Places in a band: as many as can be sorted at once without much memory.
-pub(super) const BAND_PLACES: usize = 1 << 18;
+/// How many places follow each other in a band of a map of so many.
+pub(super) fn band_places(n_places: usize) -> usize {
+    if n_places < LARGE_MAP { SMALL_MAP_BAND } else { LARGE_MAP_BAND }
+}
+
+/// Places in a band of a small map, which is looked at as a whole: as many as can be sorted at once without much memory.
+const SMALL_MAP_BAND: usize = 1 << 18;
+/// Places in a band of a large map: some rooms, of which a filter looks at all or at none.
+const LARGE_MAP_BAND: usize = 1 << 16;
+/// A map of so many places is large.
+const LARGE_MAP: usize = 1 << 19;
 /// Places that are traced by one thread at a time.
 const PIECE_PLACES: usize = 512;
 
@@ -78,7 +90,7 @@ impl LandmarkModel {
 
     /// Bytes that it takes, with everything that finding cells needs.
     pub fn n_bytes(&self) -> usize {
-        self.n_landmarks.len() + self.bands.iter().map(Band::n_bytes).sum::<usize>()
+        self.n_landmarks.len() + self.bands.iter().map(Band::n_bytes).sum::<usize>() + self.regions.n_bytes()
     }
 }
 
@@ -88,6 +100,8 @@ pub struct ModelBuilder {
     model: LandmarkModel,
     /// What the cells of the band that is not full yet see.
     entries: Vec<u64>,
+    /// What they see side by side, with their regions, in a large map.
+    pairs: Vec<u64>,
     next_place: usize,
 }
 
@@ -97,8 +111,9 @@ impl ModelBuilder {
         let size = surroundings.size();
         let order = CellOrder::new(size);
         let n_landmarks = vec![0; order.n_places()];
-        let model = LandmarkModel { size, order, n_landmarks, bands: Vec::new() };
-        ModelBuilder { model, entries: Vec::new(), next_place: 0 }
+        let model =
+            LandmarkModel { size, order, n_landmarks, bands: Vec::new(), regions: RegionIndex::default() };
+        ModelBuilder { model, entries: Vec::new(), pairs: Vec::new(), next_place: 0 }
     }
 
     /// Traces so many more places, on all processors. What is traced after `give_up` was raised is not kept: building ends
@@ -116,27 +131,31 @@ impl ModelBuilder {
         let end = self.next_place.saturating_add(n_places).min(n_all);
         while self.next_place < end && !give_up.is_raised() {
             let first = self.next_place;
-            let band_end = (first / BAND_PLACES + 1) * BAND_PLACES;
+            let in_band = band_places(n_all);
+            let band_end = (first / in_band + 1) * in_band;
             let last = end.min(band_end);
             let order = self.model.order;
             let Some(n_landmarks) = self.model.n_landmarks.get_mut(first..last) else { return };
-            let pieces: Vec<Vec<u64>> = n_landmarks
+            let pieces: Vec<Seen> = n_landmarks
                 .par_chunks_mut(PIECE_PLACES)
                 .enumerate()
                 .map_init(
                     || Tracer::new(*settings),
                     |tracer, (piece, n_landmarks)| {
                         let piece = Piece { order, first: first + piece * PIECE_PLACES };
-                        let entries = piece.trace(surroundings, tracer, n_landmarks, give_up);
+                        let seen = piece.trace(surroundings, tracer, n_landmarks, give_up);
                         progress.n_done.fetch_add(n_landmarks.len(), Ordering::Relaxed);
-                        entries
+                        seen
                     },
                 )
                 .collect();
             if give_up.is_raised() {
                 return;
             }
-            pieces.into_iter().for_each(|piece| self.entries.extend(piece));
+            for piece in pieces {
+                self.entries.extend(piece.entries);
+                self.pairs.extend(piece.pairs);
+            }
             self.next_place = last;
             if last == band_end || last == n_all {
                 self.model.bands.push(Band::of(std::mem::take(&mut self.entries)));
@@ -150,8 +169,11 @@ impl ModelBuilder {
     }
 
     /// The model, once everything is traced.
-    pub fn finish(self) -> Option<LandmarkModel> {
-        self.is_done().then_some(self.model)
+    pub fn finish(mut self) -> Option<LandmarkModel> {
+        self.is_done().then(|| {
+            self.model.regions = RegionIndex::of(self.pairs);
+            self.model
+        })
     }
 }
 
@@ -161,6 +183,14 @@ struct Piece {
     first: usize,
 }
 
+/// What is seen from some places.
+#[derive(Default)]
+struct Seen {
+    entries: Vec<u64>,
+    /// Side by side.
+    pairs: Vec<u64>,
+}
+
 impl Piece {
     fn trace(
         &self,
@@ -168,19 +198,28 @@ impl Piece {
         tracer: &mut Tracer,
         n_landmarks: &mut [u8],
         give_up: &GiveUp,
-    ) -> Vec<u64> {
-        let mut entries = Vec::new();
+    ) -> Seen {
+        let mut seen = Seen::default();
         if give_up.is_raised() {
-            return entries;
+            return seen;
         }
+        let n_places = self.order.n_places();
+        let mut looks = Vec::new();
         for (place, n_landmarks) in (self.first..).zip(n_landmarks) {
             let cell = self.order.cell_at(place).filter(|cell| surroundings.is_free(*cell));
             let Some(cell) = cell else { continue };
-            let n_before = entries.len();
-            let in_band = (place % BAND_PLACES) as u32;
-            entries.extend(tracer.looks_of(surroundings, cell).map(|look| entry(look, in_band)));
-            *n_landmarks = (entries.len() - n_before).min(usize::from(u8::MAX)) as u8;
+            let in_band = (place % band_places(n_places)) as u32;
+            looks.clear();
+            looks.extend(tracer.looks_of(surroundings, cell));
+            seen.entries.extend(looks.iter().map(|look| entry(*look, in_band)));
+            if n_places >= LARGE_MAP {
+                seen.pairs.extend(pairs(&looks).map(|pair| seen_from(pair, place / REGION_PLACES)));
+            }
+            *n_landmarks = looks.len().min(usize::from(u8::MAX)) as u8;
         }
-        entries
+        // Neighbors see the same.
+        seen.pairs.sort_unstable();
+        seen.pairs.dedup();
+        seen
     }
 }

@@ -2,12 +2,13 @@
 //!
 //! Layout, little-endian: magic, version, fingerprint of the map and of everything that the model depends on, width,
 //! height, one byte a place, number of bands; of each band the numbers of its looks and of its list bytes, then looks, ends
-//! and lists; last the CRC-32 of everything before it. A file that is not whole, of another version or of another map is
+//! and lists; the number of entries of the index of regions, and where there are any its ends and lists; last the CRC-32 of everything before it. A file that is not whole, of another version or of another map is
 //! refused with its reason, and one that is accepted holds together.
 
 use super::band::Band;
-use super::build::{BAND_PLACES, LandmarkModel};
+use super::build::{LandmarkModel, band_places};
 use super::order::CellOrder;
+use super::regions::{N_HASHES, RegionIndex};
 use super::surroundings::ModelSettings;
 use crate::GridSize;
 use crate::landmarks::WallFit;
@@ -20,7 +21,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 const MAGIC: [u8; 8] = *b"RUMBOLMK";
 /// Goes up with every change of the layout or of what a model of the same map would hold.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// No model of a map that can be loaded is larger, bytes.
 const MOST_BYTES: u64 = 4 << 30;
 
@@ -132,6 +133,9 @@ fn bytes_of(model: &LandmarkModel, fingerprint: &[u8; 32]) -> Vec<u8> {
         band.codes.iter().chain(&band.ends).for_each(|number| bytes.extend(number.to_le_bytes()));
         bytes.extend(&band.lists);
     }
+    let RegionIndex { ends, regions } = &model.regions;
+    bytes.extend((regions.len() as u32).to_le_bytes());
+    ends.iter().chain(regions).for_each(|number| bytes.extend(number.to_le_bytes()));
     let checksum = crc32fast::hash(&bytes);
     bytes.extend(checksum.to_le_bytes());
     bytes
@@ -166,19 +170,19 @@ fn parts(mut rest: &[u8]) -> Option<LandmarkModel> {
     let mut bands = Vec::new();
     for _ in 0..n_bands {
         let [n_codes, n_bytes] = [number(&mut rest)? as usize, number(&mut rest)? as usize];
-        let mut numbers = || {
-            let words = take(&mut rest, n_codes.checked_mul(4)?)?;
-            Some(words.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect::<Vec<u32>>())
-        };
-        let (codes, ends) = (numbers()?, numbers()?);
+        let (codes, ends) = (numbers(&mut rest, n_codes)?, numbers(&mut rest, n_codes)?);
         bands.push(Band { codes, ends, lists: take(&mut rest, n_bytes)?.to_vec() });
     }
-    (rest.len() == size_of::<u32>()).then_some(LandmarkModel { size, order, n_landmarks, bands })
+    let n_regions = number(&mut rest)? as usize;
+    let n_ends = if n_regions > 0 { N_HASHES } else { 0 };
+    let regions = RegionIndex { ends: numbers(&mut rest, n_ends)?, regions: numbers(&mut rest, n_regions)? };
+    (rest.len() == size_of::<u32>()).then_some(LandmarkModel { size, order, n_landmarks, bands, regions })
 }
 
 fn is_sound(model: &LandmarkModel) -> bool {
-    let cells_of_bands = model.n_landmarks.chunks(BAND_PLACES);
-    cells_of_bands.len() == model.bands.len()
+    let cells_of_bands = model.n_landmarks.chunks(band_places(model.n_places()));
+    model.regions.is_sound(model.n_places())
+        && cells_of_bands.len() == model.bands.len()
         && model.bands.iter().zip(cells_of_bands).all(|(band, cells)| band.is_sound(cells))
 }
 
@@ -186,6 +190,11 @@ fn take<'b>(rest: &mut &'b [u8], n: usize) -> Option<&'b [u8]> {
     let (taken, left) = rest.split_at_checked(n)?;
     *rest = left;
     Some(taken)
+}
+
+fn numbers(rest: &mut &[u8], n: usize) -> Option<Vec<u32>> {
+    let words = take(rest, n.checked_mul(4)?)?;
+    Some(words.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect())
 }
 
 fn number(rest: &mut &[u8]) -> Option<u32> {

@@ -2,10 +2,14 @@
 //!
 //! The score of a cell is the share of its landmarks that look like one that was observed. A cell stays when its score is
 //! strictly above half of the best. Only cells that see something like the observed are ever looked at.
+//!
+//! Beyond the source, parts of a large map from which few of the observed pairs of landmarks are seen are left out, see
+//! `regions`: the work of the filter would grow with the map.
 
 use super::band::Band;
-use super::build::{BAND_PLACES, LandmarkModel};
+use super::build::{LandmarkModel, band_places};
 use super::look::{DISTANCE_STEP_M, EXTENT_STEP_M, Look, LookKind, code_of};
+use super::regions::RegionSearch;
 
 /// When two landmarks look alike: same kind, and no farther apart than this.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,23 +63,39 @@ pub struct Filter {
     touched: Vec<u32>,
     ranges: Vec<[u32; 2]>,
     passed: Vec<CellScore>,
+    regions: RegionSearch,
+    n_parts: [usize; 2],
 }
 
 impl Filter {
     /// Cells with fewer landmarks are left out: anything looks like them.
     pub const LEAST_LANDMARKS: u8 = 2;
 
-    /// The cells whose score is strictly above half of the best, in the order of the grid.
+    /// How many parts of the map the last search looked at, and of how many.
+    pub fn n_parts(&self) -> [usize; 2] {
+        self.n_parts
+    }
+
+    /// The cells whose score is strictly above half of the best, in the order of the grid. `observed` is in the order in
+    /// which it was seen around the robot.
     pub fn pass(&mut self, model: &LandmarkModel, observed: &[Look], within: &Similarity) -> &[CellScore] {
         self.set_ranges(observed, within);
         self.passed.clear();
-        self.n_alike.resize(BAND_PLACES.min(model.n_landmarks.len()), 0);
+        let in_band = band_places(model.n_places());
+        self.n_alike.resize(in_band.min(model.n_places()), 0);
+        self.regions.count(&model.regions, model.n_places(), observed, within);
+        let most = self.regions.most();
+        self.n_parts = [0, model.bands.len()];
         let mut best: Option<CellScore> = None;
         for (idx, (band, n_landmarks)) in
-            model.bands.iter().zip(model.n_landmarks.chunks(BAND_PLACES)).enumerate()
+            model.bands.iter().zip(model.n_landmarks.chunks(in_band)).enumerate()
         {
-            self.count(band);
-            self.score(model, idx * BAND_PLACES, n_landmarks, &mut best);
+            let first = idx * in_band;
+            if self.regions.is_worth_it(most, first..first + in_band) {
+                self.n_parts[0] += 1;
+                self.count(band);
+                self.score(model, first, n_landmarks, &mut best);
+            }
         }
         if let Some(best) = best {
             self.passed.retain(|score| score.is_above_half_of(&best));

@@ -45,15 +45,32 @@ impl Look {
         Some(Look { kind, distance_m: landmark.distance_m, extent_m })
     }
 
+    /// What landmarks look like but for corners, counter-clockwise.
+    pub fn around(landmarks: &[Landmark]) -> Vec<Look> {
+        let looks = landmarks.iter().filter_map(|landmark| Some((landmark.bearing_rad, Look::of(landmark)?)));
+        let mut looks: Vec<(f64, Look)> = looks.collect();
+        looks.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        looks.into_iter().map(|(_, look)| look).collect()
+    }
+
     /// The same to the steps that a model keeps: 2 cm of distance, 4 cm of extent.
     pub fn rounded(self) -> Look {
         Look::of_code(self.code())
     }
 
+    /// The most steps of distance or extent that are told apart.
+    pub(super) const MOST_STEPS: u32 = MOST;
+
+    /// Whole steps of distance and of extent.
+    pub(super) fn steps(self) -> [u32; 2] {
+        let steps = |meters: f64, step_m: f64| ((meters / step_m).round() as u32).min(MOST);
+        [steps(self.distance_m, DISTANCE_STEP_M), steps(self.extent_m, EXTENT_STEP_M)]
+    }
+
     /// As one number, sorted by kind, distance and extent.
     pub(super) fn code(self) -> u32 {
-        let steps = |meters: f64, step_m: f64| ((meters / step_m).round() as u32).min(MOST);
-        code_of(self.kind, steps(self.distance_m, DISTANCE_STEP_M), steps(self.extent_m, EXTENT_STEP_M))
+        let [distance, extent] = self.steps();
+        code_of(self.kind, distance, extent)
     }
 
     fn of_code(code: u32) -> Look {

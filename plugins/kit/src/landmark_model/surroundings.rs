@@ -144,8 +144,8 @@ impl Tracer {
         self.extractor.extract_circular(readings, self.settings.step_rad(), reach_m)
     }
 
-    /// What they look like, without corners.
+    /// What they look like, without corners, counter-clockwise.
     pub fn looks_of(&mut self, surroundings: &Surroundings, cell: usize) -> impl Iterator<Item = Look> {
-        self.landmarks_of(surroundings, cell).iter().filter_map(Look::of)
+        Look::around(self.landmarks_of(surroundings, cell)).into_iter()
     }
 }

@@ -1,8 +1,9 @@
 mod files;
 mod filters;
+mod large_maps;
 mod scans;
 
-use super::build::BAND_PLACES;
+use super::build::band_places;
 use super::*;
 use crate::landmarks::LandmarkSettings;
 use rand::{RngExt, SeedableRng};

@@ -1,5 +1,12 @@
 //! Offices, scans in them, and trials of global localization: what benches, tests and figures share.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
+
+mod alike;
+mod course;
+mod generated;
+
+pub use alike::{FIRST_ROOM_M, ROOM_TO_ROOM_M};
+pub use course::{Course, Ending, Said};
 
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
@@ -169,10 +176,13 @@ pub enum Clutter {
     Boxes,
     /// Things that hide half of the view, half a meter away.
     HalfHidden,
+    /// A straight partition that hides half of the view, 0.4 m away and 6 m long: of 180 degrees it leaves 15.
+    HalfWalled,
 }
 
 impl Clutter {
-    fn around(self, robot: &Pose2, rng: &mut Rng) -> Vec<[f64; 4]> {
+    /// Boxes around a robot.
+    pub fn around(self, robot: &Pose2, rng: &mut Rng) -> Vec<[f64; 4]> {
         let first: f64 = rng.random_range(0.0..TAU);
         let hiding = |k: usize| {
             let angle = first + PI / 6.0 * k as f64;
@@ -183,6 +193,13 @@ impl Clutter {
             Clutter::None => Vec::new(),
             Clutter::Boxes => boxes(robot, rng),
             Clutter::HalfHidden => (0..6).map(hiding).collect(),
+            Clutter::HalfWalled => {
+                let side =
+                    [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][(first / TAU * 4.0) as usize % 4];
+                let [x, y] = [0, 1].map(|k| [robot.translation.x, robot.translation.y][k] + 0.43 * side[k]);
+                let [wide, high] = [0, 1].map(|k| if side[k] == 0.0 { 3.0 } else { 0.03 });
+                vec![[x - wide, y - high, x + wide, y + high]]
+            }
         }
     }
 }
@@ -231,7 +248,8 @@ impl Laser {
         (0..self.n_beams).map(range).collect()
     }
 
-    fn sighting(&self, ranges_m: Vec<f64>, odom_from_base: Pose2, seconds: f64) -> Sighting {
+    /// A scan with what is known of it.
+    pub fn sighting(&self, ranges_m: Vec<f64>, odom_from_base: Pose2, seconds: f64) -> Sighting {
         Sighting {
             stamp: Time::from_secs(seconds),
             odom_from_base,
@@ -306,7 +324,7 @@ pub fn trial(
     let normal: f64 = StandardNormal.sample(&mut rng);
     let sightings = laser.look_around(office, &pose, &around, 0.02 * normal, &mut rng);
     let mut locator = Locator::new(params.locator(), stream(seed, "noise"));
-    let verdict = locator.locate(known, &sightings);
+    let verdict = locator.locate(known, &sightings, None);
     let mut outcome = Outcome {
         is_found: false,
         is_ambiguous: matches!(verdict, Verdict::Ambiguous(_)),

@@ -21,6 +21,10 @@ pub struct Fit {
 pub struct FitLimits {
     /// Least share of judged beams that are explained.
     pub explained: f64,
+    /// With a smaller share a place is believed only when it fits from elsewhere, too.
+    pub sure: f64,
+    /// So it is when fewer landmarks name it.
+    pub sure_matches: usize,
     /// Largest share of judged beams that pass through something.
     pub through: f64,
     /// Least share of all beams that can be judged.

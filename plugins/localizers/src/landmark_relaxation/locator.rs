@@ -40,10 +40,19 @@ pub struct Hypothesis {
     pub score: f64,
 }
 
+/// A place to be judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Proposal {
+    map_from_base: Pose2,
+    /// Enough landmarks name it.
+    is_supported: bool,
+}
+
 /// A place that may be, and whether the scans speak for it: one that is not believed may still be where the robot is.
 struct Judged {
     place: Hypothesis,
     is_believed: bool,
+    is_sure: bool,
 }
 
 /// What scans say.
@@ -51,6 +60,8 @@ struct Judged {
 pub enum Verdict {
     /// The robot is there.
     Found(Hypothesis),
+    /// This is the only place that fits, but not well enough to be sure without another look.
+    Doubtful(Hypothesis),
     /// Several places fit, best first.
     Ambiguous(Vec<Hypothesis>),
     /// No place fits.
@@ -114,8 +125,9 @@ impl Locator {
         Panorama::of(sightings, self.settings.matching.model.n_rays)
     }
 
-    /// Searches the whole map.
-    pub fn locate(&mut self, known: &Knowledge, sightings: &[Sighting]) -> Verdict {
+    /// Searches the whole map. A place that was doubtful when the robot looked from elsewhere is sure when it fits again:
+    /// that is where it `expected` to be now.
+    pub fn locate(&mut self, known: &Knowledge, sightings: &[Sighting], expected: Option<Pose2>) -> Verdict {
         let observed = self.observe(sightings);
         let cells = self.matcher.cells(known, &observed);
         let places = self.matcher.places(known, &cells, &observed);
@@ -130,19 +142,32 @@ impl Locator {
         }
         let most = places.first().map_or(0, |place| place.n_matches) as f64;
         let is_good = |place: &&Place| place.n_matches as f64 >= LEAST_MATCH_SHARE * most;
-        let best = places.iter().take_while(is_good).take(MOST_PLACES);
-        self.judge(known, sightings, best.map(|place| place.map_from_base))
+        let proposal = |place: &Place| Proposal {
+            map_from_base: place.map_from_base,
+            is_supported: place.n_matches >= self.settings.limits.sure_matches,
+        };
+        let best = places.iter().take_while(is_good).take(MOST_PLACES).map(proposal);
+        let expected_again = expected.map(|map_from_base| Proposal { map_from_base, is_supported: true });
+        self.verdict(known, sightings, best.chain(expected_again), expected.as_slice())
     }
 
-    /// Judges known candidates by new scans.
-    pub fn judge(
+    /// Judges known candidates by new scans: the one that is left fits for the second time.
+    pub fn judge(&self, known: &Knowledge, sightings: &[Sighting], poses: &[Pose2]) -> Verdict {
+        let proposal = |pose: &Pose2| Proposal { map_from_base: *pose, is_supported: true };
+        self.verdict(known, sightings, poses.iter().map(proposal), poses)
+    }
+
+    /// The proposals that fit best; those that are `expected` fitted before.
+    fn verdict(
         &self,
         known: &Knowledge,
         sightings: &[Sighting],
-        poses: impl Iterator<Item = Pose2>,
+        proposals: impl Iterator<Item = Proposal>,
+        expected: &[Pose2],
     ) -> Verdict {
         let beams = TracedBeams::of(sightings, N_BEAMS);
-        let mut fitting: Vec<Judged> = poses.filter_map(|pose| self.judged(known, &beams, &pose)).collect();
+        let mut fitting: Vec<Judged> =
+            proposals.filter_map(|proposal| self.judged(known, &beams, &proposal)).collect();
         fitting.sort_by(|a, b| b.place.score.total_cmp(&a.place.score));
         let mut apart: Vec<Judged> = Vec::new();
         for judged in fitting {
@@ -155,11 +180,19 @@ impl Locator {
         if !apart.iter().any(|judged| judged.is_believed) {
             return Verdict::Nothing;
         }
-        verdict(apart.into_iter().map(|judged| judged.place).collect())
+        let is_sure = |judged: &Judged| {
+            judged.is_sure || expected.iter().any(|pose| is_one(pose, &judged.place.map_from_base))
+        };
+        let all_sure = apart.iter().all(is_sure);
+        match verdict(apart.into_iter().map(|judged| judged.place).collect()) {
+            Verdict::Found(place) if !all_sure => Verdict::Doubtful(place),
+            verdict => verdict,
+        }
     }
 
     /// A pose refined and judged; none where the scans contradict it.
-    fn judged(&self, known: &Knowledge, beams: &TracedBeams, pose: &Pose2) -> Option<Judged> {
+    fn judged(&self, known: &Knowledge, beams: &TracedBeams, proposal: &Proposal) -> Option<Judged> {
+        let pose = &proposal.map_from_base;
         let limits = &self.settings.limits;
         let Refined { map_from_base, turns_rad, covariance } =
             refine(known, beams, pose, &self.settings.refinement);
@@ -170,6 +203,7 @@ impl Locator {
         (is_sane && stays && !fit.is_contradicted(limits)).then(|| Judged {
             place: Hypothesis { map_from_base, covariance, score: fit.explained() },
             is_believed: fit.is_within(limits),
+            is_sure: proposal.is_supported && fit.explained() >= limits.sure,
         })
     }
 

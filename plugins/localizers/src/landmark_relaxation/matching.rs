@@ -85,8 +85,12 @@ impl Matcher {
 
     /// Cells that see something like the observed.
     pub fn cells(&mut self, known: &Knowledge, observed: &[Landmark]) -> Vec<CellScore> {
-        let looks: Vec<Look> = observed.iter().filter_map(Look::of).collect();
-        self.filter.pass(&known.model, &looks, &self.settings.alike).to_vec()
+        self.filter.pass(&known.model, &Look::around(observed), &self.settings.alike).to_vec()
+    }
+
+    /// How many parts of the map the last filter looked at, and of how many.
+    pub fn n_parts(&self) -> [usize; 2] {
+        self.filter.n_parts()
     }
 
     /// The places of these cells that are fitted by at least two landmarks, best first: most matches, then smallest error.

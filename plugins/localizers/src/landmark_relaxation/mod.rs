@@ -10,6 +10,7 @@
 mod params;
 mod plugin;
 
+pub mod expected_views;
 pub mod fit;
 pub mod locator;
 pub mod match_score;
@@ -18,6 +19,7 @@ pub mod model_making;
 pub mod model_seat;
 pub mod motion;
 pub mod next_move;
+pub mod open_ways;
 pub mod panorama;
 pub mod refinement;
 pub mod relaxation;

@@ -3,6 +3,7 @@
 //! The source takes the landmarks of two scans half a turn apart. That cuts walls at the two seams; so here the scans are
 //! joined first, and landmarks taken from the whole. All is seen from the base as it stood at the newest scan.
 
+use super::matching::Knowledge;
 use super::sighting::{Beam, Sighting};
 use crate::triangulation::correspondence::predicted;
 use rumbo_core::frames::{Point2, Pose2, wrap_angle};
@@ -25,6 +26,10 @@ struct Bin {
     free_m: f64,
 }
 
+/// Directions of what a map expects.
+const N_EXPECTED: usize = 360;
+/// Parts of a turn in which something may be hidden.
+const N_SECTORS: usize = 60;
 /// Two readings of one surface differ by no more than this, meters.
 const SAME_SURFACE_M: f64 = 0.08;
 
@@ -49,6 +54,41 @@ impl Panorama {
             readings: bins.iter().map(Bin::reading).collect(),
             free_m: bins.iter().map(Bin::free_m).collect(),
         }
+    }
+
+    /// What the map expects to be seen all around from a pose, in single degrees.
+    pub fn expected(known: &Knowledge, map_from_base: &Pose2, reach_m: f64) -> Panorama {
+        let direction = |k: usize| {
+            let (sin, cos) = (TAU * k as f64 / N_EXPECTED as f64).sin_cos();
+            [cos, sin]
+        };
+        let directions: Vec<[f64; 2]> = (0..N_EXPECTED).map(direction).collect();
+        let mut ranges_m = Vec::new();
+        known.scan(map_from_base, &directions, reach_m, &mut ranges_m);
+        let seen = || ranges_m.iter().zip(&directions);
+        let reading = |(range_m, [x, y]): (&f64, &[f64; 2])| {
+            if range_m.is_finite() {
+                Reading { place: [range_m * x, range_m * y], range_m: *range_m }
+            } else {
+                Reading { place: [0.0; 2], range_m: f64::NAN }
+            }
+        };
+        // Not-a-number, where nobody knows, is the lesser here.
+        let free_m = |(range_m, _): (&f64, _)| if range_m.is_nan() { 0.0 } else { range_m.min(reach_m) };
+        Panorama { readings: seen().map(reading).collect(), free_m: seen().map(free_m).collect() }
+    }
+
+    /// Share of a turn that readings nearer than `near_m` hide from a place in the frame of the base.
+    pub fn hidden_share(&self, from: Point2, near_m: f64) -> f64 {
+        let mut is_hidden = [false; N_SECTORS];
+        for reading in self.readings.iter().filter(|reading| reading.is_valid()) {
+            let [dx, dy] = [reading.place[0] - from.x, reading.place[1] - from.y];
+            let sector = (dy.atan2(dx).rem_euclid(TAU) / TAU * N_SECTORS as f64) as usize;
+            if let Some(is_hidden) = is_hidden.get_mut(sector.min(N_SECTORS - 1)) {
+                *is_hidden |= dx.hypot(dy) < near_m;
+            }
+        }
+        is_hidden.iter().filter(|is_hidden| **is_hidden).count() as f64 / N_SECTORS as f64
     }
 
     /// One reading a direction, counter-clockwise from straight ahead.

@@ -36,13 +36,14 @@ pub enum ModelCache {
 pub struct LandmarkRelaxationParams {
     /// Follow the source without improvements, to compare with its figures: the landmarks of two scans by themselves, walls
     /// by the Hough transform, the middle of a cell as position, and no judgment by the scans. `relation_m` is 0.05 m then,
-    /// and the keys `least_explained`, `most_through`, `least_judged` and `alike` do nothing.
+    /// and the keys `least_explained`, `sure_explained`, `sure_matches`, `most_through`, `least_judged` and `alike` do nothing.
     pub thesis_mode: bool,
     /// Turn and drive the robot where that helps. Without it, what one scan shows must do.
     pub moves: bool,
     /// From so many other places the robot looks again when several places fit, or none.
     pub most_moves: u32,
-    /// Length of the way there that is tried first, meters.
+    /// Length of the way there that is tried first, meters; others are half of it to six times as long. Only where the robot
+    /// sees that the way is free.
     pub move_m: f64,
     /// Where the model of the map is kept, so that it is built once: `beside_map` (`MAP.SETTINGS.landmark_model`, with eight digits for these settings) or `none`.
     pub cache: ModelCache,
@@ -68,7 +69,12 @@ pub struct LandmarkRelaxationParams {
     pub relation_deg: f64,
     /// A place is not believed when it explains a smaller share of the beams.
     pub least_explained: f64,
-    /// Nor when a larger share of the beams passes through what the map shows; where it is above 0.15, the robot is surely
+    /// A place that explains a smaller share of the beams than this is believed only when it fits for a second time, from
+    /// elsewhere: things that hide half of the view make other places fit.
+    pub sure_explained: f64,
+    /// So is one that fewer landmarks name.
+    pub sure_matches: usize,
+    /// Nor is one when a larger share of the beams passes through what the map shows; where it is above 0.15, the robot is surely
     /// not there, else it may be.
     pub most_through: f64,
     /// Nor when the map says something of a smaller share of the beams.
@@ -105,6 +111,8 @@ impl Default for LandmarkRelaxationParams {
             relation_m: 0.075,
             relation_deg: 6.0,
             least_explained: 0.6,
+            sure_explained: 0.8,
+            sure_matches: 5,
             most_through: 0.02,
             least_judged: 0.5,
             alike: 0.05,
@@ -131,6 +139,7 @@ impl Params for LandmarkRelaxationParams {
             ("relation_m", self.relation_m, 0.001..=2.0),
             ("relation_deg", self.relation_deg, 0.01..=90.0),
             ("least_explained", self.least_explained, 0.0..=1.0),
+            ("sure_explained", self.sure_explained, 0.0..=1.0),
             ("most_through", self.most_through, 0.0..=1.0),
             ("least_judged", self.least_judged, 0.0..=1.0),
             ("alike", self.alike, 0.0..=1.0),
@@ -203,6 +212,8 @@ impl LandmarkRelaxationParams {
             },
             limits: FitLimits {
                 explained: self.least_explained,
+                sure: self.sure_explained,
+                sure_matches: self.sure_matches,
                 through: self.most_through,
                 judged: self.least_judged,
                 alike: self.alike,

@@ -1,11 +1,12 @@
 //! The course of a search: look all around, judge, move where that helps, and look again; never without end.
 
 use super::locator::{Hypothesis, Locator, Report, Verdict};
-use super::matching::Knowledge;
+use super::matching::{Knowledge, is_one};
 use super::motion::Motion;
-use super::next_move::{MoveLimits, NextMove, next_move};
+use super::next_move::{MoveLimits, Situation, next_move};
+use super::open_ways::NextMove;
 use super::sighting::Sighting;
-use rumbo_core::frames::{Pose2, wrap_angle};
+use rumbo_core::frames::{Point2, Pose2, wrap_angle};
 use rumbo_core::messages::Wish;
 use rumbo_core::time::Time;
 use std::f64::consts::{PI, TAU};
@@ -47,6 +48,16 @@ pub enum Progress {
     Lost(Option<Wish>),
 }
 
+/// The only place that fits, but not well enough.
+#[derive(Debug, Clone, Copy)]
+struct Doubtful {
+    map_from_base: Pose2,
+    /// The odometer there.
+    odom_from_base: Pose2,
+    /// The odometer where it was first found to fit.
+    first_from: Pose2,
+}
+
 /// A search.
 #[derive(Debug)]
 pub struct Search {
@@ -57,14 +68,19 @@ pub struct Search {
     odom_from_base: Option<Pose2>,
     /// Places that fit, and the odometer's pose there.
     candidates: Option<(Vec<Hypothesis>, Pose2)>,
+    doubtful: Option<Doubtful>,
     has_failed: bool,
     n_moves: u32,
+    /// Where the odometer was at each verdict.
+    looked_from: Vec<Pose2>,
 }
 
 /// A view that covers a turn but for this much covers it, radians.
 const NEARLY_RAD: f64 = 0.1;
 /// The odometer moves by less than this between two readings, meters, unless it was started anew.
 const JUMP_M: f64 = 1.0;
+/// A look from nearer than this says the same again, meters.
+const LEAST_WAY_M: f64 = 0.75;
 /// A robot that was brought this far since looks again: meters, and radians.
 const ELSEWHERE: [f64; 2] = [0.5, 0.5];
 
@@ -78,8 +94,10 @@ impl Search {
             sightings: Vec::new(),
             odom_from_base: None,
             candidates: None,
+            doubtful: None,
             has_failed: false,
             n_moves: 0,
+            looked_from: Vec::new(),
         }
     }
 
@@ -100,7 +118,8 @@ impl Search {
         if way_m.is_nan() || way_m > JUMP_M {
             // What was seen before cannot be joined to what comes.
             self.look_anew();
-            self.candidates = None;
+            (self.candidates, self.doubtful) = (None, None);
+            self.looked_from.clear();
         }
         match &mut self.phase {
             Phase::Looking(Some(motion)) => {
@@ -122,6 +141,7 @@ impl Search {
                 let [way_m, turn_rad] = apart(at, &odom_from_base);
                 if way_m >= ELSEWHERE[0] || turn_rad >= ELSEWHERE[1] {
                     self.look_anew();
+                    self.looked_from.clear();
                 }
             }
             Phase::Looking(None) | Phase::Found(..) => {}
@@ -151,11 +171,21 @@ impl Search {
                 self.phase = Phase::Found(place, sighting);
             }
             Verdict::Ambiguous(places) => {
-                self.candidates = Some((places, odom_from_base));
+                (self.candidates, self.doubtful) = (Some((places, odom_from_base)), None);
+                self.move_on(known, odom_from_base, now);
+            }
+            Verdict::Doubtful(place) => {
+                let map_from_base = place.map_from_base;
+                let again =
+                    self.doubtful.filter(|old| is_one(&old.carried_to(&odom_from_base), &map_from_base));
+                let first_from = again.map_or(odom_from_base, |old| old.first_from);
+                let doubtful = Doubtful { map_from_base, odom_from_base, first_from };
+                (self.candidates, self.doubtful) = (None, Some(doubtful));
+                self.has_failed = false;
                 self.move_on(known, odom_from_base, now);
             }
             Verdict::Nothing => {
-                self.candidates = None;
+                (self.candidates, self.doubtful) = (None, None);
                 self.has_failed = true;
                 self.move_on(known, odom_from_base, now);
             }
@@ -164,26 +194,35 @@ impl Search {
 
     /// Known candidates are judged by what is seen now; where none of them fits any more, the whole map is searched.
     fn verdict(&mut self, known: &Knowledge) -> Verdict {
-        let newest = self.sightings.last().map(|sighting| sighting.odom_from_base);
-        if let (Some((candidates, odom_from_base)), Some(newest)) = (&self.candidates, newest)
+        let newest = self.sightings.last().map_or(Pose2::identity(), |sighting| sighting.odom_from_base);
+        if let Some((candidates, odom_from_base)) = &self.candidates
             && !self.locator.settings().is_thesis
         {
             let moved = odom_from_base.inverse() * newest;
-            let poses = candidates.iter().map(|candidate| candidate.map_from_base * moved);
-            let verdict = self.locator.judge(known, &self.sightings, poses);
+            let poses: Vec<Pose2> =
+                candidates.iter().map(|candidate| candidate.map_from_base * moved).collect();
+            let verdict = self.locator.judge(known, &self.sightings, &poses);
             if verdict != Verdict::Nothing {
                 return verdict;
             }
         }
-        self.locator.locate(known, &self.sightings)
+        let is_elsewhere = |doubtful: &Doubtful| apart(&doubtful.first_from, &newest)[0] >= LEAST_WAY_M;
+        let expected = self.doubtful.filter(is_elsewhere).map(|doubtful| doubtful.carried_to(&newest));
+        self.locator.locate(known, &self.sightings, expected)
     }
 
     fn move_on(&mut self, known: &Knowledge, odom_from_base: Pose2, now: Time) {
         let may_move = self.settings.moves && self.n_moves < self.settings.most_moves;
         let poses: Vec<Pose2> =
             self.candidates.iter().flat_map(|(places, _)| places).map(|place| place.map_from_base).collect();
-        let panorama = self.locator.panorama(&self.sightings);
-        let next = may_move.then(|| next_move(known, &panorama, &poses, &self.settings.limits)).flatten();
+        self.looked_from.push(odom_from_base);
+        let base_from_odom = odom_from_base.inverse();
+        let looked_from: Vec<Point2> =
+            self.looked_from.iter().map(|pose| (base_from_odom * pose).translation.vector.into()).collect();
+        let panorama = &self.locator.panorama(&self.sightings);
+        let at = Situation { known, panorama, candidates: &poses, looked_from: &looked_from };
+        let n_left = self.settings.most_moves.saturating_sub(self.n_moves);
+        let next = may_move.then(|| next_move(&at, &self.settings.limits, n_left)).flatten();
         self.phase = match next {
             Some(NextMove { turn_rad, way_m }) => {
                 self.n_moves += 1;
@@ -211,9 +250,17 @@ impl Search {
             return Progress::Ambiguous(candidates.iter().map(carried).collect(), wish);
         }
         match self.phase {
-            Phase::Looking(_) if !self.has_failed => Progress::Looking(wish.unwrap_or(Wish::HoldStill)),
+            Phase::Looking(_) | Phase::Moving(..) if !self.has_failed => {
+                Progress::Looking(wish.unwrap_or(Wish::HoldStill))
+            }
             _ => Progress::Lost(wish),
         }
+    }
+}
+
+impl Doubtful {
+    fn carried_to(&self, odom_from_base: &Pose2) -> Pose2 {
+        self.map_from_base * (self.odom_from_base.inverse() * odom_from_base)
     }
 }
 

@@ -103,17 +103,6 @@ fn in_a_building_that_is_not_on_the_map_no_place_is_believed() {
 }
 
 #[test]
-fn with_half_of_the_view_hidden_another_place_is_rarely_believed() {
-    let office = Office::named("5x5");
-    let known = office.knowledge(&params(false));
-    let outcomes = run(&office, &known, &params(false), Clutter::HalfHidden);
-    // Where only one wall is left to be seen, the place along it is not known to 0.10 m.
-    let n_far = outcomes.iter().filter(|outcome| outcome.is_found && outcome.off_m > 0.5).count();
-    let n_found = outcomes.iter().filter(|outcome| outcome.is_success()).count();
-    assert!(n_far <= 1 && n_found >= 5, "{n_far} far, {n_found} found: {outcomes:?}");
-}
-
-#[test]
 fn boxes_are_placed_as_the_protocol_says() {
     let office = Office::named("5x5");
     let mut rng = stream(3, "boxes");
@@ -153,7 +142,7 @@ fn of_two_rooms_that_look_the_same_none_is_believed() {
             let laser = Laser { deviation_m: 0.0, ..Laser::lms200() };
             let seen = laser.look_around(&office, &pose, &[], 0.0, &mut rng);
             let mut locator = Locator::new(params.locator(), stream(1, "noise"));
-            let verdict = locator.locate(&known, &seen);
+            let verdict = locator.locate(&known, &seen, None);
             let Verdict::Ambiguous(places) = verdict else { panic!("thesis {thesis_mode}: {verdict:?}") };
             // The two places are one room apart, and one is the truth.
             let apart =
@@ -212,12 +201,12 @@ fn a_robot_amid_what_nobody_knows_is_never_put_elsewhere() {
             let pose = rumbo_core::frames::pose2(at[0], at[1], rng.random_range(-3.0..3.0));
             let seen = Laser::lms200().look_around(&office, &pose, &[], 0.0, &mut rng);
             let mut locator = Locator::new(params.locator(), stream(1, "noise"));
-            match locator.locate(&known, &seen) {
+            match locator.locate(&known, &seen, None) {
                 Verdict::Found(place) => {
                     let off = (place.map_from_base.translation.vector - pose.translation.vector).norm();
                     n_wrong += i32::from(off > 0.2);
                 }
-                Verdict::Ambiguous(_) | Verdict::Nothing => n_told += 1,
+                Verdict::Doubtful(_) | Verdict::Ambiguous(_) | Verdict::Nothing => n_told += 1,
             }
         }
         // The source fails here without a word.

@@ -2,6 +2,7 @@
 
 use super::super::band::{Band, entry};
 use super::super::order::CellOrder;
+use super::super::regions::RegionIndex;
 use super::*;
 use crate::GridSize;
 
@@ -72,8 +73,9 @@ fn model_of_looks(cells: &[Vec<Look>]) -> LandmarkModel {
         n_landmarks[order.place_of(cell)] = looks.len() as u8;
         entries.extend(looks.iter().map(|look| entry(*look, order.place_of(cell) as u32)));
     }
-    assert!(n_landmarks.len() <= BAND_PLACES);
-    LandmarkModel { size, order, n_landmarks, bands: vec![Band::of(entries)] }
+    assert!(n_landmarks.len() <= band_places(n_landmarks.len()));
+    let regions = RegionIndex::default();
+    LandmarkModel { size, order, n_landmarks, bands: vec![Band::of(entries)], regions }
 }
 
 #[test]

@@ -1,19 +1,12 @@
-//! Global localization on the three office maps by the protocol of S. Hernández Alamilla (2005), section 8.3: success, errors
-//! and cells after the filter.
-//!
-//! `cargo run --release -p rumbo-localizers --example relocalization_figures -- 300`
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout)]
+//! The protocol of S. Hernández Alamilla (2005), section 8.3, on the three office maps: success, errors and cells after the
+//! filter.
 
-#[path = "../benches/relocalization_work/mod.rs"]
-mod relocalization_work;
-
-use relocalization_work::{Clutter, Laser, Office, Outcome, trial};
+use super::relocalization_work::{Clutter, Laser, Office, Outcome, trial};
 use rumbo_localizers::landmark_noise::LandmarkNoiseParams;
 use rumbo_localizers::landmark_relaxation::LandmarkRelaxationParams;
 
-fn main() {
-    let n_trials = std::env::args().nth(1).map_or(300, |word| word.parse().expect("a number of trials"));
-    let maps: Vec<String> = std::env::args().skip(2).collect();
+/// So many trials on each of these maps, or on all.
+pub fn run(n_trials: u64, maps: &[String]) {
     for thesis_mode in [false, true] {
         let landmark_noise = Some(LandmarkNoiseParams::default());
         let params =
