@@ -2,6 +2,8 @@
 
 use super::front_watch::WatchTuning;
 use super::lane::LaneTuning;
+use super::people::PeopleTuning;
+use super::people::encounter::Encounter;
 use super::sound_watch::SoundTuning;
 use super::speed_profile::SpeedProfile;
 use super::tuning::Tuning;
@@ -15,8 +17,8 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct StopAndReplanParams {
     /// Behave as published (Hernández Alamilla 2005): switches off `ignore_expected`, `look_ahead_m`, `sonar_decay_s`,
-    /// `heading_gain_per_s`, `keep_off_m` and `merge_within_cells`, stops at `stop_distance_m` at any speed, and reports obstacles only
-    /// inside the watched strip.
+    /// `heading_gain_per_s`, `keep_off_m`, `merge_within_cells` and `people`, stops at `stop_distance_m` at any speed, and reports
+    /// obstacles only inside the watched strip.
     pub thesis_mode: bool,
     /// Least, medium and greatest speed of a straight piece, m/s; the robot's own limit caps them.
     pub linear_speeds_m_s: [f64; 3],
@@ -74,11 +76,37 @@ pub struct StopAndReplanParams {
     /// Width of the strip ahead in which unexpected hits are reported, meters. Wider than the watched strip, so that one
     /// new path goes around the whole obstacle.
     pub insertion_width_m: f64,
+    /// What is done about people who walk: they are followed by the scanner, and are no obstacles that stand.
+    pub people: PeopleParams,
     /// A range reading older than this stops the robot while it drives, seconds. Must exceed the time between two
     /// readings of the slowest range sensor.
     pub stale_after_s: f64,
     /// A robot that hardly moves for this long although it should is blocked, seconds.
     pub stuck_after_s: f64,
+}
+
+/// People who walk.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PeopleParams {
+    /// People are predicted to go on as they go for so long, seconds: the robot slows down, waits or backs off where they
+    /// would come too near. 0 takes everybody for an obstacle that stands, as published.
+    pub horizon_s: f64,
+    /// Room between the hull and a body, meters.
+    pub keep_m: f64,
+    /// Radius of a body with half of its stride, meters.
+    pub radius_m: f64,
+    /// A robot that has waited for so long asks once for another path around them, seconds; after that it looks less and
+    /// less far ahead, since some walk to and fro for ever.
+    pub patience_s: f64,
+    /// The farthest that the robot backs off from who would walk into it, meters: only on the straight piece that it came.
+    pub back_off_m: f64,
+}
+
+impl Default for PeopleParams {
+    fn default() -> Self {
+        PeopleParams { horizon_s: 4.0, keep_m: 0.2, radius_m: 0.3, patience_s: 8.0, back_off_m: 0.6 }
+    }
 }
 
 impl Default for StopAndReplanParams {
@@ -108,6 +136,7 @@ impl Default for StopAndReplanParams {
             look_ahead_m: 0.7,
             insertion_range_m: 1.0,
             insertion_width_m: 2.0,
+            people: PeopleParams::default(),
             stale_after_s: 1.0,
             stuck_after_s: 3.0,
         }
@@ -128,6 +157,7 @@ impl StopAndReplanParams {
             merge_within_cells: 0.0,
             keep_off_m: 0.0,
             insertion_width_m: self.watched_width_m,
+            people: PeopleParams { horizon_s: 0.0, ..self.people },
             ..self.clone()
         }
     }
@@ -186,6 +216,17 @@ impl StopAndReplanParams {
         })
     }
 
+    /// The numbers of the watch for people; none where they are obstacles like others.
+    pub fn people(&self, robot: &Robot) -> Option<PeopleTuning> {
+        let PeopleParams { horizon_s, keep_m, radius_m, patience_s, .. } = self.people;
+        let hull_radius_m = robot.hull().outer_radius_m();
+        (horizon_s > 0.0).then(|| PeopleTuning {
+            encounter: Encounter { horizon_s, keep_m, body_radius_m: radius_m, hull_radius_m },
+            patience_s,
+            expected_within_m: self.expected_within_m,
+        })
+    }
+
     /// The room beside this robot.
     pub fn lane(&self, robot: &Robot) -> LaneTuning {
         LaneTuning { half_hull_m: half_hull_m(robot), keep_off_m: self.keep_off_m }
@@ -231,6 +272,7 @@ impl StopAndReplanParams {
             ("insertion_width_m", self.insertion_width_m),
             ("stale_after_s", self.stale_after_s),
             ("stuck_after_s", self.stuck_after_s),
+            ("people.patience_s", self.people.patience_s),
         ];
         let from_zero = [
             ("heading_gain_per_s", self.heading_gain_per_s),
@@ -243,6 +285,10 @@ impl StopAndReplanParams {
             ("hard_limit_laser_m", self.hard_limit_laser_m),
             ("hard_limit_sonar_m", self.hard_limit_sonar_m),
             ("look_ahead_m", self.look_ahead_m),
+            ("people.horizon_s", self.people.horizon_s),
+            ("people.keep_m", self.people.keep_m),
+            ("people.radius_m", self.people.radius_m),
+            ("people.back_off_m", self.people.back_off_m),
         ];
         for (key, value) in above_zero {
             if !(value > 0.0 && value.is_finite()) {

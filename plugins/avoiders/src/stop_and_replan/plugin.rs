@@ -3,6 +3,7 @@
 use super::StopAndReplanParams;
 use super::front_watch::{Scene, WatchTuning};
 use super::lane::{Lane, LaneTuning};
+use super::meeting::{Advice, Meeting};
 use super::progress::Progress;
 use super::sightings::{Sightings, Source};
 use super::sound_watch::SoundWatch;
@@ -24,6 +25,8 @@ pub struct StopAndReplan {
     sound: Option<SoundWatch>,
     /// What bumpers touched since the last call.
     touched: Vec<Obstacle>,
+    /// People who walk; none where they are obstacles like others.
+    meeting: Option<Meeting>,
     lane: LaneTuning,
     control: TurnThenGo,
     sightings: Sightings,
@@ -63,6 +66,7 @@ impl StopAndReplan {
             watch,
             sound: params.sound(robot).map(SoundWatch::new),
             touched: Vec::new(),
+            meeting: Meeting::of(&params, robot),
             lane: params.lane(robot),
             control: TurnThenGo::new(params.tuning(robot, 1.0 / rate_hz)),
             sightings: Sightings::new(farthest_m + Self::MARGIN_M),
@@ -89,10 +93,16 @@ impl StopAndReplan {
         for observation in input.seen.iter() {
             let then = since_then(observation.stamp);
             let map_from_base_then = scene.map_from_base * then;
-            self.sightings.see(observation, &(scene.odom_from_base * then));
+            let odom_from_base_then = scene.odom_from_base * then;
+            if let Some(meeting) = &mut self.meeting {
+                let map_from_odom = scene.map_from_base * scene.odom_from_base.inverse();
+                meeting.people.see(observation, &odom_from_base_then, &map_from_odom, input.map.grid.as_ref());
+            }
+            let walkers = self.meeting.as_ref().map_or(&[][..], |meeting| meeting.people.walkers());
+            self.sightings.see(observation, &odom_from_base_then, walkers);
             add_touched(observation, &map_from_base_then, input.obstacles, &mut self.touched);
             if let Some(sound) = &mut self.sound {
-                sound.listen(observation, map_from_base_then, &self.sightings, scene);
+                sound.listen(observation, map_from_base_then, &self.sightings, scene, walkers);
             }
         }
     }
@@ -161,6 +171,17 @@ impl StopAndReplan {
             self.progress.rest();
             return Ok(Steering::Drive(Twist::ZERO));
         }
+        let meeting = self.meeting.as_mut();
+        let advice = meeting.map_or(Advice::GoOn, |meeting| meeting.advise(twist, &self.control, scene));
+        let twist = match advice {
+            Advice::GoOn => twist,
+            Advice::Drive(slower) if slower.forward_m_s > 0.0 => slower,
+            Advice::Drive(instead) => {
+                self.progress.rest();
+                return Ok(Steering::Drive(instead));
+            }
+            Advice::AnotherPath => return Ok(self.block_for_people(scene)),
+        };
         // What is beyond the checkpoint, where the robot stops anyway, needs no brakes.
         let speed_m_s = input.twist.forward_m_s;
         let brakes_m = self.braking.map_or(0.0, |b| b.distance_m(speed_m_s).min(left_m + b.standing_m));
@@ -186,6 +207,26 @@ impl StopAndReplan {
             return Ok(Steering::Drive(Twist::ZERO));
         }
         Ok(Steering::Drive(twist))
+    }
+
+    /// Who has been in the way for long is an obstacle until a sensor sees through it.
+    fn block_for_people(&mut self, scene: &Scene<'_>) -> Steering {
+        let map_from_odom = scene.map_from_base * scene.odom_from_base.inverse();
+        let hits = self.sightings.iter().flat_map(|sighting| {
+            let as_obstacle = move |hit: &Point2| Obstacle {
+                position: map_from_odom * hit,
+                radius_m: 0.0,
+                stamp: sighting.stamp,
+            };
+            sighting.walker_points.iter().map(as_obstacle)
+        });
+        let mut people: Vec<Obstacle> = hits.collect();
+        let stop_distance_m = self.watch.stop_distance_m;
+        let Steering::Blocked { mut obstacles } = self.block(scene, stop_distance_m) else {
+            return Steering::Drive(Twist::ZERO);
+        };
+        obstacles.append(&mut people);
+        Steering::Blocked { obstacles }
     }
 
     fn block(&mut self, scene: &Scene<'_>, stop_distance_m: f64) -> Steering {
@@ -247,7 +288,12 @@ impl Avoider for StopAndReplan {
             self.progress.rest();
             return Ok(Steering::Drive(Twist::ZERO));
         }
-        if !self.touched.is_empty() {
+        let is_touched = !self.touched.is_empty();
+        if self.meeting.as_mut().is_some_and(|m| m.is_touched_by_somebody(cx.now, input.twist, is_touched)) {
+            self.progress.rest();
+            return Ok(Steering::Drive(Twist::ZERO));
+        }
+        if is_touched {
             return Ok(self.block(&scene, self.watch.stop_distance_m));
         }
         if let Some(left_m) = self.control.left_m() {

@@ -1,0 +1,114 @@
+//! What the robot does about people while it drives ahead.
+
+use super::StopAndReplanParams;
+use super::front_watch::Scene;
+use super::people::People;
+use super::people::encounter::{Encounter, Manner, Ways};
+use super::turn_then_go::TurnThenGo;
+use rumbo_core::frames::{Point2, Twist};
+use rumbo_core::robot::Robot;
+use rumbo_core::time::{Span, Time};
+
+/// People, and the robot's ways to go on.
+#[derive(Debug)]
+pub struct Meeting {
+    /// Who walks.
+    pub people: People,
+    n_steps: usize,
+    patience: Span,
+    stood_since: Option<Time>,
+    touched_since: Option<Time>,
+    back_off_m: f64,
+    back_m_s: f64,
+    go: Vec<Point2>,
+    slow: Vec<Point2>,
+    back: Vec<Point2>,
+}
+
+/// What follows for the wheels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Advice {
+    /// As they would do anyhow.
+    GoOn,
+    /// Like this instead.
+    Drive(Twist),
+    /// Somebody has been in the way for long: another path is needed.
+    AnotherPath,
+}
+
+impl Meeting {
+    /// Slower than this is standing, m/s.
+    const STANDING_M_S: f64 = 0.01;
+    /// Brakes and bumpers take a moment: a robot that has stood for so long did not touch anything by itself.
+    const STOOD: Span = Span(500_000_000);
+
+    /// Meetings of this robot; none where people are obstacles like others.
+    pub fn of(params: &StopAndReplanParams, robot: &Robot) -> Option<Meeting> {
+        let tuning = params.people(robot)?;
+        let n_steps = (tuning.encounter.horizon_s / Encounter::STEP_S).ceil().min(1000.0) as usize;
+        Some(Meeting {
+            people: People::new(tuning),
+            n_steps,
+            patience: Span::from_secs(params.people.patience_s),
+            stood_since: None,
+            touched_since: None,
+            back_off_m: params.people.back_off_m,
+            back_m_s: params.linear_speeds_m_s[1].min(robot.max_speed_m_s),
+            go: Vec::with_capacity(n_steps),
+            slow: Vec::with_capacity(n_steps),
+            back: Vec::with_capacity(n_steps),
+        })
+    }
+
+    /// Whether what touches the robot came to it: it has been standing for a while, with `twist`, and is touched. Who stays
+    /// longer than the robot's patience does not walk.
+    pub fn is_touched_by_somebody(&mut self, now: Time, twist: Twist, is_touched: bool) -> bool {
+        let stands = twist.speed_m_s() < Self::STANDING_M_S;
+        // A touch that began while the robot drove stays its own.
+        let stood = self.stood_since.filter(|since| now - *since >= Self::STOOD).is_some();
+        self.stood_since = if stands { self.stood_since.or(Some(now)) } else { None };
+        if !is_touched {
+            self.touched_since = None;
+            return false;
+        }
+        if self.touched_since.is_none() && !stood {
+            return false;
+        }
+        let since = *self.touched_since.get_or_insert(now);
+        now - since <= self.patience
+    }
+
+    /// What to do instead of driving ahead with `twist`.
+    pub fn advise(&mut self, twist: Twist, control: &TurnThenGo, scene: &Scene<'_>) -> Advice {
+        self.people.look(scene.now);
+        if self.people.walkers().is_empty() {
+            self.people.rest(scene.now);
+            return Advice::GoOn;
+        }
+        let here = Point2::from(scene.map_from_base.translation.vector);
+        let yaw_rad = scene.map_from_base.rotation.angle();
+        control.forecast((here, yaw_rad), Encounter::STEP_S, self.n_steps, 1.0, &mut self.go);
+        control.forecast((here, yaw_rad), Encounter::STEP_S, self.n_steps, Encounter::SLOW, &mut self.slow);
+        self.back_off(here, yaw_rad, control.done_m());
+        let ways = Ways { go: &self.go, slow: &self.slow, back: &self.back };
+        match self.people.meet(scene, &ways) {
+            Manner::Go => Advice::GoOn,
+            Manner::Slow => Advice::Drive(twist.scaled(Encounter::SLOW)),
+            _ if self.people.is_tired(scene) => Advice::AnotherPath,
+            Manner::Wait => Advice::Drive(Twist::ZERO),
+            Manner::Back => Advice::Drive(Twist::new(-self.back_m_s, 0.0)),
+        }
+    }
+
+    /// Back along the piece of which `done_m` is done: that floor was free.
+    fn back_off(&mut self, here: Point2, yaw_rad: f64, done_m: f64) {
+        let most_m = self.back_off_m.min(done_m);
+        self.back.clear();
+        if most_m < self.back_m_s * Encounter::STEP_S {
+            return;
+        }
+        let behind = -nalgebra::Vector2::new(yaw_rad.cos(), yaw_rad.sin());
+        let way_m = |step: usize| (self.back_m_s * Encounter::STEP_S * (step + 1) as f64).min(most_m);
+        self.back.extend((0..self.n_steps).map(|step| here + behind * way_m(step)));
+    }
+}
