@@ -1,25 +1,32 @@
 //! What the robot does about people while it drives ahead.
 
-use super::StopAndReplanParams;
 use super::front_watch::Scene;
-use super::people::People;
+use super::people::{People, PeopleTuning};
 use super::people::encounter::{Encounter, Manner, Ways};
 use super::turn_then_go::TurnThenGo;
 use rumbo_core::frames::{Point2, Twist};
-use rumbo_core::robot::Robot;
 use rumbo_core::time::{Span, Time};
+
+/// Numbers of meetings, meters and seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeetingTuning {
+    /// The watch for people.
+    pub people: PeopleTuning,
+    /// The robot backs off no farther than this.
+    pub back_off_m: f64,
+    /// So fast, m/s.
+    pub back_m_s: f64,
+}
 
 /// People, and the robot's ways to go on.
 #[derive(Debug)]
 pub struct Meeting {
     /// Who walks.
     pub people: People,
+    tuning: MeetingTuning,
     n_steps: usize,
-    patience: Span,
     stood_since: Option<Time>,
     touched_since: Option<Time>,
-    back_off_m: f64,
-    back_m_s: f64,
     go: Vec<Point2>,
     slow: Vec<Point2>,
     back: Vec<Point2>,
@@ -42,22 +49,19 @@ impl Meeting {
     /// Brakes and bumpers take a moment: a robot that has stood for so long did not touch anything by itself.
     const STOOD: Span = Span(500_000_000);
 
-    /// Meetings of this robot; none where people are obstacles like others.
-    pub fn of(params: &StopAndReplanParams, robot: &Robot) -> Option<Meeting> {
-        let tuning = params.people(robot)?;
-        let n_steps = (tuning.encounter.horizon_s / Encounter::STEP_S).ceil().min(1000.0) as usize;
-        Some(Meeting {
-            people: People::new(tuning),
+    /// Nobody met yet.
+    pub fn new(tuning: MeetingTuning) -> Meeting {
+        let n_steps = (tuning.people.encounter.horizon_s / Encounter::STEP_S).ceil() as usize;
+        Meeting {
+            people: People::new(tuning.people),
+            tuning,
             n_steps,
-            patience: Span::from_secs(params.people.patience_s),
             stood_since: None,
             touched_since: None,
-            back_off_m: params.people.back_off_m,
-            back_m_s: params.linear_speeds_m_s[1].min(robot.max_speed_m_s),
             go: Vec::with_capacity(n_steps),
             slow: Vec::with_capacity(n_steps),
             back: Vec::with_capacity(n_steps),
-        })
+        }
     }
 
     /// Whether what touches the robot came to it: it has been standing for a while, with `twist`, and is touched. Who stays
@@ -75,7 +79,7 @@ impl Meeting {
             return false;
         }
         let since = *self.touched_since.get_or_insert(now);
-        now - since <= self.patience
+        (now - since).as_secs() <= self.tuning.people.patience_s
     }
 
     /// What to do instead of driving ahead with `twist`.
@@ -96,19 +100,20 @@ impl Meeting {
             Manner::Slow => Advice::Drive(twist.scaled(Encounter::SLOW)),
             _ if self.people.is_tired(scene) => Advice::AnotherPath,
             Manner::Wait => Advice::Drive(Twist::ZERO),
-            Manner::Back => Advice::Drive(Twist::new(-self.back_m_s, 0.0)),
+            Manner::Back => Advice::Drive(Twist::new(-self.tuning.back_m_s, 0.0)),
         }
     }
 
     /// Back along the piece of which `done_m` is done: that floor was free.
     fn back_off(&mut self, here: Point2, yaw_rad: f64, done_m: f64) {
-        let most_m = self.back_off_m.min(done_m);
+        let back_m_s = self.tuning.back_m_s;
+        let most_m = self.tuning.back_off_m.min(done_m);
         self.back.clear();
-        if most_m < self.back_m_s * Encounter::STEP_S {
+        if most_m < back_m_s * Encounter::STEP_S {
             return;
         }
         let behind = -nalgebra::Vector2::new(yaw_rad.cos(), yaw_rad.sin());
-        let way_m = |step: usize| (self.back_m_s * Encounter::STEP_S * (step + 1) as f64).min(most_m);
+        let way_m = |step: usize| (back_m_s * Encounter::STEP_S * (step + 1) as f64).min(most_m);
         self.back.extend((0..self.n_steps).map(|step| here + behind * way_m(step)));
     }
 }

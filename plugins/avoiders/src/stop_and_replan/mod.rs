@@ -5,12 +5,14 @@
 //! fused over time, which finds panes of glass, bumpers, and people who are
 //! followed instead of taken for obstacles that stand.
 
+pub mod braking;
 pub mod checkpoints;
 pub mod cones;
 pub mod evidence;
 pub mod explained;
 pub mod front_watch;
 pub mod lane;
+pub mod listening;
 pub mod meeting;
 mod params;
 pub mod people;
@@ -28,4 +30,5 @@ pub mod turn_then_go;
 mod tests;
 
 pub use params::StopAndReplanParams;
+pub use people::PeopleParams;
 pub use plugin::StopAndReplan;

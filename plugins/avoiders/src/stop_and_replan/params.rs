@@ -2,8 +2,8 @@
 
 use super::front_watch::WatchTuning;
 use super::lane::LaneTuning;
-use super::people::PeopleTuning;
-use super::people::encounter::Encounter;
+use super::meeting::MeetingTuning;
+use super::people::PeopleParams;
 use super::sound_watch::SoundTuning;
 use super::speed_profile::SpeedProfile;
 use super::tuning::Tuning;
@@ -83,30 +83,6 @@ pub struct StopAndReplanParams {
     pub stale_after_s: f64,
     /// A robot that hardly moves for this long although it should is blocked, seconds.
     pub stuck_after_s: f64,
-}
-
-/// People who walk.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct PeopleParams {
-    /// People are predicted to go on as they go for so long, seconds: the robot slows down, waits or backs off where they
-    /// would come too near. 0 takes everybody for an obstacle that stands, as published.
-    pub horizon_s: f64,
-    /// Room between the hull and a body, meters.
-    pub keep_m: f64,
-    /// Radius of a body with half of its stride, meters.
-    pub radius_m: f64,
-    /// A robot that has waited for so long asks once for another path around them, seconds; after that it looks less and
-    /// less far ahead, since some walk to and fro for ever.
-    pub patience_s: f64,
-    /// The farthest that the robot backs off from who would walk into it, meters: only on the straight piece that it came.
-    pub back_off_m: f64,
-}
-
-impl Default for PeopleParams {
-    fn default() -> Self {
-        PeopleParams { horizon_s: 4.0, keep_m: 0.2, radius_m: 0.3, patience_s: 8.0, back_off_m: 0.6 }
-    }
 }
 
 impl Default for StopAndReplanParams {
@@ -216,14 +192,11 @@ impl StopAndReplanParams {
         })
     }
 
-    /// The numbers of the watch for people; none where they are obstacles like others.
-    pub fn people(&self, robot: &Robot) -> Option<PeopleTuning> {
-        let PeopleParams { horizon_s, keep_m, radius_m, patience_s, .. } = self.people;
-        let hull_radius_m = robot.hull().outer_radius_m();
-        (horizon_s > 0.0).then(|| PeopleTuning {
-            encounter: Encounter { horizon_s, keep_m, body_radius_m: radius_m, hull_radius_m },
-            patience_s,
-            expected_within_m: self.expected_within_m,
+    /// The numbers of meetings with people; none where they are obstacles like others.
+    pub fn meeting(&self, robot: &Robot) -> Option<MeetingTuning> {
+        (self.people.horizon_s > 0.0).then(|| {
+            let back_m_s = self.linear_speeds_m_s[1].min(robot.max_speed_m_s);
+            self.people.tuning(robot, self.expected_within_m, back_m_s)
         })
     }
 
@@ -252,6 +225,7 @@ impl StopAndReplanParams {
             }
         }
         self.number_faults(&mut faults);
+        self.people.add_faults(&mut faults);
         if self.heading_tolerance_deg >= self.max_heading_error_deg {
             let (tolerance, most) = (self.heading_tolerance_deg, self.max_heading_error_deg);
             let wrong = format!("is {tolerance}, expected less than max_heading_error_deg ({most})");
@@ -272,7 +246,6 @@ impl StopAndReplanParams {
             ("insertion_width_m", self.insertion_width_m),
             ("stale_after_s", self.stale_after_s),
             ("stuck_after_s", self.stuck_after_s),
-            ("people.patience_s", self.people.patience_s),
         ];
         let from_zero = [
             ("heading_gain_per_s", self.heading_gain_per_s),
@@ -285,10 +258,6 @@ impl StopAndReplanParams {
             ("hard_limit_laser_m", self.hard_limit_laser_m),
             ("hard_limit_sonar_m", self.hard_limit_sonar_m),
             ("look_ahead_m", self.look_ahead_m),
-            ("people.horizon_s", self.people.horizon_s),
-            ("people.keep_m", self.people.keep_m),
-            ("people.radius_m", self.people.radius_m),
-            ("people.back_off_m", self.people.back_off_m),
         ];
         for (key, value) in above_zero {
             if !(value > 0.0 && value.is_finite()) {

@@ -3,7 +3,10 @@
 //! Hernández Alamilla (2005) takes everybody for an obstacle that stands, and names this among the limits of his system.
 
 pub mod encounter;
+mod params;
 pub mod waiting;
+
+pub use params::PeopleParams;
 
 use super::explained::is_near_occupied;
 use super::front_watch::Scene;

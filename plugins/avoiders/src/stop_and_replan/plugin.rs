@@ -1,11 +1,13 @@
 //! The avoider: control, watch, and when to stop and ask for a new path.
 
 use super::StopAndReplanParams;
+use super::braking::Braking;
 use super::front_watch::{Scene, WatchTuning};
 use super::lane::{Lane, LaneTuning};
+use super::listening::Listening;
 use super::meeting::{Advice, Meeting};
 use super::progress::Progress;
-use super::sightings::{Sightings, Source};
+use super::sightings::Sightings;
 use super::sound_watch::SoundWatch;
 use super::touch::add_touched;
 use super::turn_then_go::{Motion, TurnThenGo};
@@ -32,12 +34,9 @@ pub struct StopAndReplan {
     sightings: Sightings,
     progress: Progress,
     merge_within_cells: f64,
-    stale_after: Span,
     /// How the stop distance grows with the speed; none where it does not.
     braking: Option<Braking>,
-    /// Fresh readings can be expected since then.
-    listening_since: Option<Time>,
-    last_call: Option<Time>,
+    listening: Listening,
     following: Option<u64>,
     /// The path is blocked, and this was said: the robot stands until another comes.
     is_blocked: bool,
@@ -66,16 +65,14 @@ impl StopAndReplan {
             watch,
             sound: params.sound(robot).map(SoundWatch::new),
             touched: Vec::new(),
-            meeting: Meeting::of(&params, robot),
+            meeting: params.meeting(robot).map(Meeting::new),
             lane: params.lane(robot),
             control: TurnThenGo::new(params.tuning(robot, 1.0 / rate_hz)),
             sightings: Sightings::new(farthest_m + Self::MARGIN_M),
             progress: Progress::new(Span::from_secs(params.stuck_after_s)),
             merge_within_cells: params.merge_within_cells,
-            stale_after: Span::from_secs(params.stale_after_s),
             braking: (!params.thesis_mode).then_some(braking),
-            listening_since: None,
-            last_call: None,
+            listening: Listening::new(Span::from_secs(params.stale_after_s)),
             following: None,
             is_blocked: false,
         }
@@ -123,34 +120,6 @@ impl StopAndReplan {
         !self.is_blocked
     }
 
-    /// Notes that nobody asked for long: what the sensors said meanwhile was not heard.
-    fn listen(&mut self, now: Time) {
-        let was_asked = self.last_call.is_some_and(|last| now - last <= self.stale_after);
-        if !was_asked {
-            self.listening_since = Some(now);
-        }
-        self.last_call = Some(now);
-    }
-
-    /// Every sensor that ever gave a reading still does; false while the first is waited for.
-    fn has_fresh_readings(&self, now: Time) -> Result<bool, AvoidError> {
-        let oldest = self.sightings.iter().min_by_key(|sighting| sighting.stamp);
-        if oldest.is_some_and(|sighting| now - sighting.stamp <= self.stale_after) {
-            return Ok(true);
-        }
-        let since = self.listening_since.unwrap_or(now);
-        if now - since <= self.stale_after {
-            return Ok(false);
-        }
-        let kind = match oldest.map(|sighting| sighting.source) {
-            None => "laser scan or range ring",
-            Some(Source::Laser) => "laser scan",
-            Some(Source::Sonar { .. }) => "range ring",
-        };
-        let age_s = (now - oldest.map_or(since, |sighting| sighting.stamp)).as_secs();
-        Err(AvoidError::NoReading { kind, age_s })
-    }
-
     fn turn(&mut self, now: Time, rate: f64, scene: &Scene<'_>) -> Steering {
         let twist = Twist::new(0.0, rate);
         if self.progress.is_stuck(now, twist, &scene.odom_from_base) {
@@ -167,7 +136,7 @@ impl StopAndReplan {
         input: &AvoidInput<'_>,
         scene: &Scene<'_>,
     ) -> Result<Steering, AvoidError> {
-        if !self.has_fresh_readings(now)? {
+        if !self.listening.has_fresh_readings(now, &self.sightings)? {
             self.progress.rest();
             return Ok(Steering::Drive(Twist::ZERO));
         }
@@ -212,21 +181,11 @@ impl StopAndReplan {
     /// Who has been in the way for long is an obstacle until a sensor sees through it.
     fn block_for_people(&mut self, scene: &Scene<'_>) -> Steering {
         let map_from_odom = scene.map_from_base * scene.odom_from_base.inverse();
-        let hits = self.sightings.iter().flat_map(|sighting| {
-            let as_obstacle = move |hit: &Point2| Obstacle {
-                position: map_from_odom * hit,
-                radius_m: 0.0,
-                stamp: sighting.stamp,
-            };
-            sighting.walker_points.iter().map(as_obstacle)
-        });
-        let mut people: Vec<Obstacle> = hits.collect();
-        let stop_distance_m = self.watch.stop_distance_m;
-        let Steering::Blocked { mut obstacles } = self.block(scene, stop_distance_m) else {
-            return Steering::Drive(Twist::ZERO);
-        };
-        obstacles.append(&mut people);
-        Steering::Blocked { obstacles }
+        let mut steering = self.block(scene, self.watch.stop_distance_m);
+        if let Steering::Blocked { obstacles } = &mut steering {
+            obstacles.extend(self.sightings.walkers(&map_from_odom));
+        }
+        steering
     }
 
     fn block(&mut self, scene: &Scene<'_>, stop_distance_m: f64) -> Steering {
@@ -241,32 +200,6 @@ impl StopAndReplan {
     }
 }
 
-/// What a stop needs: the guard's own distance.
-#[derive(Debug, Clone, Copy)]
-struct Braking {
-    standing_m: f64,
-    latency_s: f64,
-    braking_m_s2: f64,
-}
-
-impl Braking {
-    /// Beyond the guard's distance, so that the avoider stops first, meters.
-    const TO_SPARE_M: f64 = 0.02;
-
-    fn of(robot: &Robot) -> Braking {
-        Braking {
-            standing_m: robot.hull().outer_radius_m() + robot.guard.margin_m + Self::TO_SPARE_M,
-            latency_s: robot.guard.latency_s,
-            braking_m_s2: robot.braking_m_s2,
-        }
-    }
-
-    /// From the base to what a stop at this speed just does not touch.
-    fn distance_m(&self, speed_m_s: f64) -> f64 {
-        self.standing_m + speed_m_s.powi(2) / (2.0 * self.braking_m_s2) + speed_m_s.abs() * self.latency_s
-    }
-}
-
 impl Avoider for StopAndReplan {
     fn steer(&mut self, cx: &mut Cx<'_>, input: &AvoidInput<'_>) -> Result<Steering, AvoidError> {
         if !is_finite2(&input.map_from_base) {
@@ -275,7 +208,7 @@ impl Avoider for StopAndReplan {
             return Err(MessageFault { message, field, found, expected }.into());
         }
         input.twist.check()?;
-        self.listen(cx.now);
+        self.listening.note(cx.now);
         let map_from_odom = flatten(&input.estimate.map_from_odom);
         let scene = Scene {
             now: cx.now,

@@ -4,7 +4,7 @@
 //! the estimate does not.
 
 use rumbo_core::frames::{Point2, Point3, Pose2, Pose3};
-use rumbo_core::messages::{Data, LaserScan, Observation, RangeRing, SensorId};
+use rumbo_core::messages::{Data, LaserScan, Observation, Obstacle, RangeRing, SensorId};
 use rumbo_core::time::Time;
 use rumbo_kit::moving_clusters::Mover;
 
@@ -59,6 +59,16 @@ impl Sightings {
     /// The last readings.
     pub fn iter(&self) -> std::slice::Iter<'_, Sighting> {
         self.sightings.iter()
+    }
+
+    /// Hits of who walks, as obstacles of the map.
+    pub fn walkers(&self, map_from_odom: &Pose2) -> impl Iterator<Item = Obstacle> {
+        self.sightings.iter().flat_map(move |sighting| {
+            let stamp = sighting.stamp;
+            let as_obstacle =
+                move |hit: &Point2| Obstacle { position: map_from_odom * hit, radius_m: 0.0, stamp };
+            sighting.walker_points.iter().map(as_obstacle)
+        })
     }
 
     /// Takes in a range reading, unless it is invalid or not newer than the last; `odom_from_base` is where the base was
