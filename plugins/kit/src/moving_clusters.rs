@@ -67,6 +67,8 @@ pub struct Mover {
     pub velocity: nalgebra::Vector2<f64>,
     /// When it was last seen.
     pub seen: Time,
+    /// It moves now; else it did and has stopped.
+    pub is_moving: bool,
 }
 
 impl Mover {
@@ -141,9 +143,14 @@ impl MovingClusters {
 
     /// What moves, where it is at `now`; what is hidden for a moment is carried on.
     pub fn movers(&self, now: Time) -> impl Iterator<Item = Mover> {
+        self.everybody(now).filter(|mover| mover.is_moving)
+    }
+
+    /// What moves, and what did and has stopped.
+    pub fn everybody(&self, now: Time) -> impl Iterator<Item = Mover> {
         let ahead_s = self.stamp.map_or(0.0, |stamp| (now - stamp).as_secs().max(0.0));
         let longest = Span::from_secs(self.tuning.forget_after_s);
-        self.tracks.iter().filter(move |track| track.is_moving && now - track.seen <= longest).map(
+        self.tracks.iter().filter(move |track| track.has_moved && now - track.seen <= longest).map(
             move |track| {
                 let mover = track.mover();
                 Mover { position: mover.after(ahead_s), ..mover }
@@ -157,7 +164,8 @@ impl MovingClusters {
             let gate_m = self.tuning.gate_m;
             let off_m = |track: &Track| (track.position() - segment.middle).norm();
             let nearest = self.tracks.iter_mut().min_by(|a, b| off_m(a).total_cmp(&off_m(b)));
-            let Some(track) = nearest.filter(|track| (track.position() - segment.middle).norm() <= gate_m) else {
+            let Some(track) = nearest.filter(|track| (track.position() - segment.middle).norm() <= gate_m)
+            else {
                 continue;
             };
             track.take(segment.middle);

@@ -158,8 +158,7 @@ fn people_walk_on_free_floor_and_not_where_the_robot_stands() {
 #[test]
 fn careful_people_walk_where_the_others_do() {
     let blind = drawn("people = { n = [2, 2] }", 3);
-    let careful =
-        drawn("people = { n = [2, 2], personal_space_m = 0.4, turn_back_after_s = 5.0 }", 3);
+    let careful = drawn("people = { n = [2, 2], personal_space_m = 0.4, turn_back_after_s = 5.0 }", 3);
     for person in 0..2 {
         let of = |key: &str| format!("world/add/person/{person}/{key}");
         assert_eq!(at(&blind, &of("personal_space_m")), None);

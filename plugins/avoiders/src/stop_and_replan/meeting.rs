@@ -1,8 +1,8 @@
 //! What the robot does about people while it drives ahead.
 
 use super::front_watch::Scene;
-use super::people::{People, PeopleTuning};
 use super::people::encounter::{Encounter, Manner, Ways};
+use super::people::{People, PeopleTuning};
 use super::turn_then_go::TurnThenGo;
 use rumbo_core::frames::{Point2, Twist};
 use rumbo_core::time::{Span, Time};

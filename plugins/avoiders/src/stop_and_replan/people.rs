@@ -36,6 +36,8 @@ pub struct People {
     /// One for each scanner.
     followed: Vec<(SensorId, MovingClusters)>,
     walkers: Vec<Mover>,
+    /// Who walks, or did and has stopped.
+    known: Vec<Mover>,
     /// The same in the map.
     persons: Vec<Person>,
     waiting: Waiting,
@@ -48,7 +50,14 @@ impl People {
     /// Nobody seen yet.
     pub fn new(tuning: PeopleTuning) -> People {
         let waiting = Waiting::new(tuning.patience_s);
-        People { tuning, followed: Vec::new(), walkers: Vec::new(), persons: Vec::new(), waiting }
+        People {
+            tuning,
+            followed: Vec::new(),
+            walkers: Vec::new(),
+            known: Vec::new(),
+            persons: Vec::new(),
+            waiting,
+        }
     }
 
     /// Takes in a scan that was made with the base at `odom_from_base`. `map` shows what does not move.
@@ -79,13 +88,20 @@ impl People {
 
     /// Carries everybody on to `now`.
     pub fn look(&mut self, now: Time) {
+        self.known.clear();
+        self.known.extend(self.followed.iter().flat_map(|(_, moving)| moving.everybody(now)));
         self.walkers.clear();
-        self.walkers.extend(self.followed.iter().flat_map(|(_, moving)| moving.movers(now)));
+        self.walkers.extend(self.known.iter().filter(|mover| mover.is_moving));
     }
 
     /// Who moves, in the odometer's frame.
     pub fn walkers(&self) -> &[Mover] {
         &self.walkers
+    }
+
+    /// Who walks, or did and has stopped, in the odometer's frame.
+    pub fn known(&self) -> &[Mover] {
+        &self.known
     }
 
     /// What to do about them, with the robot's ways to go on from here.

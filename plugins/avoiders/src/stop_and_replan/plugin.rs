@@ -93,13 +93,19 @@ impl StopAndReplan {
             let odom_from_base_then = scene.odom_from_base * then;
             if let Some(meeting) = &mut self.meeting {
                 let map_from_odom = scene.map_from_base * scene.odom_from_base.inverse();
-                meeting.people.see(observation, &odom_from_base_then, &map_from_odom, input.map.grid.as_ref());
+                meeting.people.see(
+                    observation,
+                    &odom_from_base_then,
+                    &map_from_odom,
+                    input.map.grid.as_ref(),
+                );
             }
             let walkers = self.meeting.as_ref().map_or(&[][..], |meeting| meeting.people.walkers());
             self.sightings.see(observation, &odom_from_base_then, walkers);
             add_touched(observation, &map_from_base_then, input.obstacles, &mut self.touched);
             if let Some(sound) = &mut self.sound {
-                sound.listen(observation, map_from_base_then, &self.sightings, scene, walkers);
+                let known = self.meeting.as_ref().map_or(&[][..], |meeting| meeting.people.known());
+                sound.listen(observation, map_from_base_then, &self.sightings, scene, known);
             }
         }
     }

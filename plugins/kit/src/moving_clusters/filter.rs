@@ -64,7 +64,8 @@ mod tests {
         let mut means = [Vector2::new(1.0, 0.0), Vector2::new(-2.0, 0.0)];
         let mut covariance = Matrix2::new(0.01, 0.0, 0.0, 1.0);
         for _ in 0..200 {
-            let (dt, q, r) = (rng.random_range(0.05..0.5), rng.random_range(0.1..2.0), rng.random_range(0.05..0.3));
+            let (dt, q, r) =
+                (rng.random_range(0.05..0.5), rng.random_range(0.1..2.0), rng.random_range(0.05..0.3));
             let measured = Point2::new(rng.random_range(-5.0..5.0), rng.random_range(-5.0..5.0));
             filter.predict(dt, q);
             filter.update(measured, r);

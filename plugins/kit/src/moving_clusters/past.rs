@@ -86,7 +86,8 @@ impl Kept {
         }
         // Nothing within reach says as much as the reach; not-a-number and what is too near say nothing.
         let needed_m = distance_m + Past::BEYOND_M;
-        let is_beyond = |range: &f32| *range >= self.min_range_m && f64::from(range.min(self.max_range_m)) >= needed_m;
+        let is_beyond =
+            |range: &f32| *range >= self.min_range_m && f64::from(range.min(self.max_range_m)) >= needed_m;
         self.ranges_m.get(first as usize..=last as usize).is_some_and(|beams| beams.iter().all(is_beyond))
     }
 }

@@ -72,7 +72,9 @@ fn furnished() -> Scene {
     let corners = [(-3.0, -4.0), (7.0, -4.0), (7.0, 4.0), (-3.0, 4.0)].map(|(x, y)| Point2::new(x, y));
     scene.walls.extend((0..4).map(|k| (corners[k], corners[(k + 1) % 4])));
     // A chair, a box, a pillar, and a door that stands open.
-    scene.discs.extend([(2.0, 1.0), (2.4, 1.0), (2.4, 1.4), (2.0, 1.4)].map(|(x, y)| (Point2::new(x, y), 0.02)));
+    scene
+        .discs
+        .extend([(2.0, 1.0), (2.4, 1.0), (2.4, 1.4), (2.0, 1.4)].map(|(x, y)| (Point2::new(x, y), 0.02)));
     let crate_ = [(3.0, -1.5), (3.5, -1.5), (3.5, -1.0), (3.0, -1.0)].map(|(x, y)| Point2::new(x, y));
     scene.walls.extend((0..4).map(|k| (crate_[k], crate_[(k + 1) % 4])));
     scene.discs.push((Point2::new(1.2, -1.2), 0.2));
@@ -136,7 +138,8 @@ fn who_walks_is_found_with_the_speed_that_he_has() {
             let mut means = [0.0; 3];
             for direction in 0..8 {
                 let heading_rad = TAU * f64::from(direction) / 8.0;
-                let (known_s, off_m, off_m_s) = follow(speed_m_s, heading_rad, direction as u64 + idx as u64, drives);
+                let (known_s, off_m, off_m_s) =
+                    follow(speed_m_s, heading_rad, direction as u64 + idx as u64, drives);
                 assert!(known_s <= 1.8, "{speed_m_s} m/s to {heading_rad}: known after {known_s} s");
                 for (mean, value) in means.iter_mut().zip([known_s, off_m, off_m_s]) {
                     *mean += value / 8.0;
@@ -177,6 +180,7 @@ fn who_stops_stands_and_who_is_gone_is_forgotten() {
     }
     // Stops at 2.5 s.
     assert_eq!((moves[10], moves[23], moves[39]), (1, 0, 0), "{moves:?}");
+    assert_eq!(moving.everybody(at(39)).count(), 1, "and is still known as somebody who walked");
     let mut moving = MovingClusters::new(MoverTuning::default());
     for k in 0..20 {
         let walked_m = 0.8 * PERIOD_S * k as f64;
@@ -186,7 +190,10 @@ fn who_stops_stands_and_who_is_gone_is_forgotten() {
             Scene::default()
         };
         moving.see(at(k), &scene.scan(&here, &mut rng), &here, |_| false);
-        assert!(k < 13 || moving.movers(at(k)).count() == 0, "light goes through where he would be, scan {k}");
+        assert!(
+            k < 13 || moving.movers(at(k)).count() == 0,
+            "light goes through where he would be, scan {k}"
+        );
     }
 }
 
@@ -196,7 +203,8 @@ fn what_the_map_explains_is_not_followed() {
     let mut moving = MovingClusters::new(MoverTuning::default());
     let here = pose2(0.0, 0.0, 0.0);
     for k in 0..15 {
-        let scene = Scene::default().with_legs(Point2::new(2.5, -1.0 + 0.16 * k as f64), FRAC_PI_2, 0.16 * k as f64);
+        let scene =
+            Scene::default().with_legs(Point2::new(2.5, -1.0 + 0.16 * k as f64), FRAC_PI_2, 0.16 * k as f64);
         moving.see(at(k), &scene.scan(&here, &mut rng), &here, |point| point.x > 2.0);
         assert_eq!(moving.movers(at(k)).count(), 0);
     }
@@ -213,7 +221,8 @@ fn scans_without_a_number_and_without_beams_change_nothing() {
         ranges_m: Buffer::from(ranges),
         ..LaserScan::default()
     };
-    let none = [odd(&[]), odd(&[f32::NAN; 361]), odd(&[f32::INFINITY; 9]), odd(&[-1.0; 9]), LaserScan::default()];
+    let none =
+        [odd(&[]), odd(&[f32::NAN; 361]), odd(&[f32::INFINITY; 9]), odd(&[-1.0; 9]), LaserScan::default()];
     for (k, scan) in none.iter().enumerate() {
         moving.see(at(k), scan, &here, |_| false);
         assert_eq!(moving.movers(at(k)).count(), 0);
@@ -221,7 +230,9 @@ fn scans_without_a_number_and_without_beams_change_nothing() {
     // Amid them somebody is found all the same, and the same scan twice is no news.
     for k in 10..30 {
         let walked_m = 0.8 * PERIOD_S * (k - 10) as f64;
-        let scan = Scene::default().with_legs(Point2::new(2.5, -1.0 + walked_m), FRAC_PI_2, walked_m).scan(&here, &mut rng);
+        let scan = Scene::default()
+            .with_legs(Point2::new(2.5, -1.0 + walked_m), FRAC_PI_2, walked_m)
+            .scan(&here, &mut rng);
         moving.see(at(k), if k % 5 == 4 { &none[1] } else { &scan }, &here, |_| false);
         let before: Vec<Mover> = moving.movers(at(k)).collect();
         moving.see(at(k), &scan, &here, |_| false);

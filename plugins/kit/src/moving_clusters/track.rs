@@ -20,6 +20,8 @@ pub struct Track {
     pub seen: Time,
     /// It moves.
     pub is_moving: bool,
+    /// It moved at some time.
+    pub has_moved: bool,
     n_seen: u32,
     /// Scans in a row that saw through it.
     n_absent: u32,
@@ -50,6 +52,7 @@ impl Track {
             places: VecDeque::new(),
             seen: stamp,
             is_moving: false,
+            has_moved: false,
             n_seen: 1,
             n_absent: 0,
             slow_since: None,
@@ -64,7 +67,7 @@ impl Track {
     /// As others see it.
     pub fn mover(&self) -> Mover {
         let ConstantVelocity { position, velocity, .. } = self.filter;
-        Mover { number: self.number, position, velocity, seen: self.seen }
+        Mover { number: self.number, position, velocity, seen: self.seen, is_moving: self.is_moving }
     }
 
     /// Time passes.
@@ -111,7 +114,9 @@ impl Track {
             self.n_absent = 0;
             let is_fast = speed_m_s >= tuning.least_speed_m_s
                 && speed_m_s >= Self::SURE * self.filter.speed_deviation_m_s();
-            self.is_moving |= is_fast && self.n_seen >= Self::LEAST_SEEN && self.swapped_with_air(stamp, past);
+            self.is_moving |=
+                is_fast && self.n_seen >= Self::LEAST_SEEN && self.swapped_with_air(stamp, past);
+            self.has_moved |= self.is_moving;
         }
         if let Some(part) = self.parts.first() {
             self.places.push_back((stamp, *part));

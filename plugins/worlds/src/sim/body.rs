@@ -258,7 +258,10 @@ mod tests {
         assert_eq!(body.contact_episodes, 2, "the person stands at x = 0, the robot at 0.3");
         assert!(body.clearance_m < 0.0);
         assert_eq!(body.drive(&mut place, Twist::new(0.1, 0.0), 0.1), 1.0, "away from the person");
-        assert_eq!(body.driven_contact_episodes, 1, "who walks into a robot that stands or leaves was not driven into");
+        assert_eq!(
+            body.driven_contact_episodes, 1,
+            "who walks into a robot that stands or leaves was not driven into"
+        );
         assert_eq!(body.drive(&mut place, Twist::new(-0.1, 0.0), 0.1), 0.0, "towards the person");
         assert_eq!((body.contact_episodes, body.driven_contact_episodes), (2, 2));
     }

@@ -85,14 +85,8 @@ mod tests {
             (7.0, [2.0, 0.0], [0.0, 0.0]),
             (9.0, [2.0, 0.0], [4.0, 0.0]),
         ] {
-            assert!(
-                (at(&walker(false), time_s).0 - Point::from(forth)).norm() < 1e-12,
-                "back at {time_s}"
-            );
-            assert!(
-                (at(&walker(true), time_s).0 - Point::from(round)).norm() < 1e-12,
-                "round at {time_s}"
-            );
+            assert!((at(&walker(false), time_s).0 - Point::from(forth)).norm() < 1e-12, "back at {time_s}");
+            assert!((at(&walker(true), time_s).0 - Point::from(round)).norm() < 1e-12, "round at {time_s}");
         }
         assert_eq!(at(&walker(false), 7.0).1, Vector::new(-1.0, 0.0));
         // Somebody who turned back before the first corner comes from it again.

@@ -37,7 +37,8 @@ impl Walker {
     /// Walks on; `robot` is where its hull stands. Who sees no robot goes by the clock alone, so that no rounding of many
     /// small steps adds up.
     pub fn walk_until(&mut self, time_s: f64, robot: Option<(&Pose2, &Hull)>) {
-        let (Some(personal_space_m), Some((map_from_base, hull))) = (self.person.personal_space_m, robot) else {
+        let (Some(personal_space_m), Some((map_from_base, hull))) = (self.person.personal_space_m, robot)
+        else {
             self.walked_m = person::walked_m(&self.person, time_s);
             return;
         };

@@ -107,12 +107,7 @@ impl Encounter {
     }
 
     /// Times and gaps on a way; a robot whose way is at an end stands.
-    fn gaps_m(
-        &self,
-        person: &Person,
-        way: &[Point2],
-        here: Point2,
-    ) -> impl Iterator<Item = (f64, f64)> {
+    fn gaps_m(&self, person: &Person, way: &[Point2], here: Point2) -> impl Iterator<Item = (f64, f64)> {
         let n_steps = (self.horizon_s / Self::STEP_S).ceil() as usize;
         let end = way.last().copied().unwrap_or(here);
         (0..n_steps).map(move |step| {

@@ -28,7 +28,7 @@ pub struct PeopleParams {
 
 impl Default for PeopleParams {
     fn default() -> Self {
-        PeopleParams { horizon_s: 4.0, keep_m: 0.2, radius_m: 0.3, patience_s: 8.0, back_off_m: 0.6 }
+        PeopleParams { horizon_s: 4.0, keep_m: 0.15, radius_m: 0.35, patience_s: 8.0, back_off_m: 0.6 }
     }
 }
 
