@@ -51,7 +51,7 @@ impl Default for MoverTuning {
             stands_after_s: 0.8,
             forget_after_s: 1.5,
             middle_deviation_m: 0.12,
-            agility_m2_s3: 0.5,
+            agility_m2_s3: 0.2,
         }
     }
 }

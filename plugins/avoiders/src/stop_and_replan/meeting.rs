@@ -26,7 +26,8 @@ pub struct Meeting {
     tuning: MeetingTuning,
     n_steps: usize,
     stood_since: Option<Time>,
-    touched_since: Option<Time>,
+    /// Since when something touches the robot, and how long it may be somebody who walks, seconds.
+    touched: Option<(Time, f64)>,
     go: Vec<Point2>,
     slow: Vec<Point2>,
     back: Vec<Point2>,
@@ -48,6 +49,8 @@ impl Meeting {
     const STANDING_M_S: f64 = 0.01;
     /// Brakes and bumpers take a moment: a robot that has stood for so long did not touch anything by itself.
     const STOOD: Span = Span(500_000_000);
+    /// Who walks into a robot that drives, or is in its way, is gone after so long, seconds; a thing stays.
+    const LETS_GO_S: f64 = 1.5;
 
     /// Nobody met yet.
     pub fn new(tuning: MeetingTuning) -> Meeting {
@@ -57,29 +60,31 @@ impl Meeting {
             tuning,
             n_steps,
             stood_since: None,
-            touched_since: None,
+            touched: None,
             go: Vec::with_capacity(n_steps),
             slow: Vec::with_capacity(n_steps),
             back: Vec::with_capacity(n_steps),
         }
     }
 
-    /// Whether what touches the robot came to it: it has been standing for a while, with `twist`, and is touched. Who stays
-    /// longer than the robot's patience does not walk.
+    /// Whether what touches the robot came to it: the robot has been standing for a while, with `twist`, or people are about
+    /// and it lets go by itself. Who stays longer than that does not walk.
     pub fn is_touched_by_somebody(&mut self, now: Time, twist: Twist, is_touched: bool) -> bool {
         let stands = twist.speed_m_s() < Self::STANDING_M_S;
-        // A touch that began while the robot drove stays its own.
         let stood = self.stood_since.filter(|since| now - *since >= Self::STOOD).is_some();
         self.stood_since = if stands { self.stood_since.or(Some(now)) } else { None };
         if !is_touched {
-            self.touched_since = None;
+            self.touched = None;
             return false;
         }
-        if self.touched_since.is_none() && !stood {
-            return false;
-        }
-        let since = *self.touched_since.get_or_insert(now);
-        (now - since).as_secs() <= self.tuning.people.patience_s
+        let longest_s = match (stood, self.people.are_about(now)) {
+            (true, _) => self.tuning.people.patience_s,
+            (false, true) => Self::LETS_GO_S,
+            (false, false) => 0.0,
+        };
+        // As it was when the touch began.
+        let (since, longest_s) = *self.touched.get_or_insert((now, longest_s));
+        (now - since).as_secs() < longest_s
     }
 
     /// What to do instead of driving ahead with `twist`.

@@ -14,7 +14,7 @@ use encounter::{Encounter, Manner, Person, Ways};
 use rumbo_core::frames::{Point2, Pose2, Pose3, flatten};
 use rumbo_core::map::Grid;
 use rumbo_core::messages::{Data, LaserScan, Observation, SensorId};
-use rumbo_core::time::Time;
+use rumbo_core::time::{Span, Time};
 use rumbo_kit::moving_clusters::{Mover, MoverTuning, MovingClusters};
 use waiting::Waiting;
 
@@ -41,11 +41,15 @@ pub struct People {
     /// The same in the map.
     persons: Vec<Person>,
     waiting: Waiting,
+    /// When somebody was last known.
+    last_known: Option<Time>,
 }
 
 impl People {
     /// A scanner that is tilted more than this does not see a level plane: cosine of the angle.
     const LEVEL: f64 = 0.98;
+    /// Who was known within this time may be behind the robot now.
+    const ABOUT: Span = Span(30_000_000_000);
 
     /// Nobody seen yet.
     pub fn new(tuning: PeopleTuning) -> People {
@@ -57,6 +61,7 @@ impl People {
             known: Vec::new(),
             persons: Vec::new(),
             waiting,
+            last_known: None,
         }
     }
 
@@ -92,6 +97,14 @@ impl People {
         self.known.extend(self.followed.iter().flat_map(|(_, moving)| moving.everybody(now)));
         self.walkers.clear();
         self.walkers.extend(self.known.iter().filter(|mover| mover.is_moving));
+        if !self.known.is_empty() {
+            self.last_known = Some(now);
+        }
+    }
+
+    /// Somebody walked here lately.
+    pub fn are_about(&self, now: Time) -> bool {
+        self.last_known.is_some_and(|last| now - last <= Self::ABOUT)
     }
 
     /// Who moves, in the odometer's frame.

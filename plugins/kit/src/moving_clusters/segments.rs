@@ -18,8 +18,9 @@ const GAP_M: f64 = 0.10;
 const GAP_SPACINGS: f64 = 2.0;
 /// One hit may be noise.
 const LEAST_HITS: u32 = 2;
-/// Of a disc one sees a half; the middle of that half is this part of its width before the disc's middle: 1/π.
-const BEHIND: f64 = std::f64::consts::FRAC_1_PI;
+/// Of a disc one sees a half, with beams that are spread evenly over its width: their hits are on average π/4 of its radius
+/// before its middle.
+const BEHIND: f64 = std::f64::consts::FRAC_PI_8;
 
 /// Hits that belong together so far.
 #[derive(Debug, Clone, Copy)]

@@ -34,8 +34,8 @@ impl Track {
     const FIRST_DEVIATION_M_S: f64 = 0.8;
     /// So many scans are needed for a velocity.
     const LEAST_SEEN: u32 = 3;
-    /// A speed this many times its deviation is one.
-    const SURE: f64 = 2.0;
+    /// A speed this many times its deviation along an axis may be one; the swap with the air makes it sure.
+    const SURE: f64 = 1.0;
     /// Something slower than this part of the least speed stands.
     const SLOW: f64 = 0.75;
     /// Places of so long ago are compared with the present one.
