@@ -66,17 +66,24 @@ impl Scene {
     }
 }
 
-/// A room with things of all kinds that stand, none of which a map explains.
-fn furnished() -> Scene {
+/// A room with a box.
+fn room() -> Scene {
     let mut scene = Scene::default();
     let corners = [(-3.0, -4.0), (7.0, -4.0), (7.0, 4.0), (-3.0, 4.0)].map(|(x, y)| Point2::new(x, y));
     scene.walls.extend((0..4).map(|k| (corners[k], corners[(k + 1) % 4])));
-    // A chair, a box, a pillar, and a door that stands open.
+    let sides = [(5.0, -3.5), (5.5, -3.5), (5.5, -3.0), (5.0, -3.0)].map(|(x, y)| Point2::new(x, y));
+    scene.walls.extend((0..4).map(|k| (sides[k], sides[(k + 1) % 4])));
     scene
-        .discs
-        .extend([(2.0, 1.0), (2.4, 1.0), (2.4, 1.4), (2.0, 1.4)].map(|(x, y)| (Point2::new(x, y), 0.02)));
-    let crate_ = [(3.0, -1.5), (3.5, -1.5), (3.5, -1.0), (3.0, -1.0)].map(|(x, y)| Point2::new(x, y));
-    scene.walls.extend((0..4).map(|k| (crate_[k], crate_[(k + 1) % 4])));
+}
+
+/// A room with things of all kinds that stand, none of which a map explains: also a chair, another box, a pillar, and a
+/// door that stands open.
+fn furnished() -> Scene {
+    let mut scene = room();
+    let legs = [(2.0, 1.0), (2.4, 1.0), (2.4, 1.4), (2.0, 1.4)].map(|(x, y)| (Point2::new(x, y), 0.02));
+    scene.discs.extend(legs);
+    let sides = [(3.0, -1.5), (3.5, -1.5), (3.5, -1.0), (3.0, -1.0)].map(|(x, y)| Point2::new(x, y));
+    scene.walls.extend((0..4).map(|k| (sides[k], sides[(k + 1) % 4])));
     scene.discs.push((Point2::new(1.2, -1.2), 0.2));
     scene.walls.push((Point2::new(4.5, 4.0), Point2::new(4.2, 3.2)));
     scene
@@ -119,7 +126,7 @@ fn follow(speed_m_s: f64, heading_rad: f64, seed: u64, drives: bool) -> (f64, f6
         let time_s = PERIOD_S * k as f64;
         let middle = start + velocity * time_s;
         let pose = if drives { pose2(0.2 * time_s, 0.0, 0.1 * time_s) } else { pose2(0.0, 0.0, 0.0) };
-        let scene = furnished().with_legs(middle, heading_rad, speed_m_s * time_s);
+        let scene = room().with_legs(middle, heading_rad, speed_m_s * time_s);
         moving.see(at(k), &scene.scan(&pose, &mut rng), &pose, |_| false);
         for mover in moving.movers(at(k)) {
             known_s = known_s.min(time_s);

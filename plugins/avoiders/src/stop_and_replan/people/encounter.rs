@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn who_crosses_is_let_through_and_who_comes_behind_the_robot_is_not_waited_for() {
         assert_eq!(manner([1.0, 1.2], [0.0, -0.7]), Manner::Wait);
-        assert_eq!(manner([1.2, 1.0], [0.0, -1.0]), Manner::Slow, "slow is enough to let him pass");
+        assert_eq!(manner([1.3, 2.2], [0.0, -0.8]), Manner::Slow, "slow is enough to let him pass");
         assert_eq!(manner([-0.9, 2.0], [0.0, -1.0]), Manner::Go);
     }
 

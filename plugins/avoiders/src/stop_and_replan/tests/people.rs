@@ -11,21 +11,24 @@ struct Meeting {
     other: Option<(f64, Steering)>,
     /// Time and speed at each step.
     speeds: Vec<(f64, f64)>,
-    /// The smallest gap between hull and body, and the robot's speed then.
-    nearest: (f64, f64),
-    end: Pose2,
+    /// The smallest gap between hull and body, meters.
+    nearest_m: f64,
+    /// The robot's speed when it was first touched; that is the end.
+    touched_m_s: Option<f64>,
 }
 
 /// Somebody is at `person(time)`, seen by the scanner five times a second.
 fn meet(bench: &mut Bench, limit_s: f64, person: impl Fn(f64) -> Point2) -> Meeting {
     let start = bench.now;
-    let mut met = Meeting { other: None, speeds: Vec::new(), nearest: (f64::INFINITY, 0.0), end: bench.pose };
+    let mut met = Meeting { other: None, speeds: Vec::new(), nearest_m: f64::INFINITY, touched_m_s: None };
     for step in 0..(limit_s / PERIOD_S) as usize {
         let time_s = (bench.now - start).as_secs();
         bench.discs = vec![(person(time_s), BODY_M)];
         let gap_m = (person(time_s).coords - bench.pose.translation.vector).norm() - BODY_M - 0.20;
-        if gap_m < met.nearest.0 {
-            met.nearest = (gap_m, bench.twist.forward_m_s);
+        met.nearest_m = met.nearest_m.min(gap_m);
+        if gap_m <= 0.0 {
+            met.touched_m_s = Some(bench.twist.forward_m_s);
+            break;
         }
         let seen = if step % 2 == 0 { vec![bench.scan()] } else { Vec::new() };
         match bench.steer(&seen).unwrap() {
@@ -37,7 +40,6 @@ fn meet(bench: &mut Bench, limit_s: f64, person: impl Fn(f64) -> Point2) -> Meet
         }
         met.speeds.push((time_s, bench.twist.forward_m_s));
     }
-    met.end = bench.pose;
     met
 }
 
@@ -58,7 +60,7 @@ fn who_crosses_is_let_by_and_never_an_obstacle() {
         let met = meet(&mut bench(StopAndReplanParams::default()), 60.0, crosses(speed_m_s));
         let (time_s, other) = met.other.unwrap();
         assert_eq!(other, Steering::Arrived, "{speed_m_s} m/s, after {time_s} s");
-        assert!(met.nearest.0 > 0.1, "{speed_m_s} m/s: {:?}", met.nearest);
+        assert!(met.nearest_m > 0.1, "{speed_m_s} m/s: {}", met.nearest_m);
     }
 }
 
@@ -83,8 +85,7 @@ fn who_walks_straight_at_the_robot_meets_one_that_stands_or_backs_off() {
     for (speed_m_s, beside_m) in [(0.5, 0.0), (1.2, 0.0), (0.8, 0.15), (0.8, -0.3)] {
         let comes = |time_s: f64| Point2::new(6.0 - speed_m_s * time_s, beside_m);
         let met = meet(&mut bench(StopAndReplanParams::default()), 30.0, comes);
-        let touches = met.nearest.0 <= 0.0;
-        assert!(!touches || met.nearest.1 <= 0.0, "{speed_m_s} m/s: {:?}", met.nearest);
+        assert!(met.touched_m_s.is_none_or(|speed| speed <= 0.0), "{speed_m_s} m/s: {:?}", met.touched_m_s);
         assert!(met.speeds.iter().any(|(_, speed)| *speed == 0.2), "it drove at first");
     }
 }
