@@ -50,6 +50,9 @@ pub struct Outcome {
     pub min_clearance_m: Option<f64>,
     /// How often contact began.
     pub contacts: Option<u32>,
+    /// In how many of these the robot's own motion was closing the distance: not those of somebody who walked into it.
+    #[serde(default)]
+    pub driven_contacts: Option<u32>,
     /// When contact first began, seconds.
     #[serde(default)]
     pub first_contact_s: Option<f64>,
@@ -108,6 +111,7 @@ impl Outcome {
             turn_deg_m: summary.turn_deg_m,
             min_clearance_m: summary.min_clearance_m,
             contacts: summary.contacts,
+            driven_contacts: summary.driven_contacts,
             first_contact_s: summary.first_contact_s,
             first_blocked_s: summary.first_blocked_s,
             replans: summary.replans,

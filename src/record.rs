@@ -214,6 +214,7 @@ pub fn test_record() -> RunRecord {
             turn_deg_m: Some(12.0),
             min_clearance_m: Some(0.1),
             contacts: Some(0),
+            driven_contacts: Some(0),
             first_contact_s: None,
             first_blocked_s: Some(1.0),
             replans: 1,

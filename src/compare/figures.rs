@@ -49,13 +49,16 @@ const fn figure(
 
 /// All of them, in reading order. A way that was broken off is short and quick: time, way, detour and turns are of
 /// runs that succeeded.
-pub const FIGURES: [Figure; 16] = [
+pub const FIGURES: [Figure; 17] = [
     figure("time_s", ("time to goal", "s"), (1.0, 1), true, |o, _| Some(o.time_s)),
     figure("path_m", ("way driven", "m"), (1.0, 2), true, |o, _| Some(o.path_m)),
     figure("detour", ("way over straight line", ""), (1.0, 3), true, |o, r| Some(o.path_m / r.straight_m?)),
     figure("turn_deg_m", ("turns per meter", "°/m"), (1.0, 1), true, |o, _| o.turn_deg_m),
     figure("min_clearance_m", ("least clearance", "cm"), (100.0, 1), false, |o, _| o.min_clearance_m),
     figure("contacts", ("contacts", ""), (1.0, 2), false, |o, _| o.contacts.map(f64::from)),
+    figure("driven_contacts", ("contacts by driving", ""), (1.0, 2), false, |o, _| {
+        o.driven_contacts.map(f64::from)
+    }),
     figure("rms_error_m", ("position error, RMS", "cm"), (100.0, 2), false, |o, _| o.rms_error_m),
     figure("p95_error_m", ("position error, 95 %", "cm"), (100.0, 2), false, |o, _| o.p95_error_m),
     figure("rms_heading_error_deg", ("heading error, RMS", "°"), (1.0, 2), false, |o, _| {

@@ -37,6 +37,8 @@ pub fn figures(outcome: &Outcome) -> Vec<Figure> {
         outcome.min_clearance_m.is_some_and(|m| m <= 0.0),
     );
     add("contacts", outcome.contacts.map(|n| n.to_string()), outcome.contacts.is_some_and(|n| n > 0));
+    let driven = outcome.driven_contacts;
+    add("contacts by driving", driven.map(|n| n.to_string()), driven.is_some_and(|n| n > 0));
     add(
         "sure of the place",
         outcome.tracked_share.map(|share| format!("{:.0} % of the time", share * 100.0)),

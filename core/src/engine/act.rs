@@ -35,6 +35,7 @@ impl Engine {
             n_obstacles += self.navigator.memory.look(observation, &map_from_base, &mut self.out);
         }
         if n_obstacles > 0 {
+            self.navigator.note_change();
             let kind = EventKind::Forgot { n_obstacles, reason: "a sensor sees through them" };
             self.events.push(Event { stamp: self.now, kind });
         }

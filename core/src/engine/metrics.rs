@@ -45,6 +45,8 @@ pub struct Summary {
     pub min_clearance_m: Option<f64>,
     /// How often contact began.
     pub contacts: Option<u32>,
+    /// In how many of these the robot's own motion was closing the distance.
+    pub driven_contacts: Option<u32>,
     /// When contact first began, seconds.
     pub first_contact_s: Option<f64>,
     /// When the avoider first said that the way is blocked, seconds.
@@ -100,6 +102,7 @@ pub struct Metrics {
     goal_error_m: Option<f64>,
     min_clearance_m: Option<f64>,
     contacts: Option<u32>,
+    driven_contacts: Option<u32>,
     first_contact_s: Option<f64>,
     first_blocked_s: Option<f64>,
     replans: u32,
@@ -155,6 +158,7 @@ impl Metrics {
             turn_deg_m: (self.path_m > Self::LEAST_WAY_M).then(|| self.turned_rad.to_degrees() / self.path_m),
             min_clearance_m: self.min_clearance_m,
             contacts: self.contacts,
+            driven_contacts: self.driven_contacts,
             first_contact_s: self.first_contact_s,
             first_blocked_s: self.first_blocked_s,
             replans: self.replans,
@@ -220,6 +224,7 @@ impl Metrics {
             self.min_clearance_m = Some(least);
         }
         self.contacts = truth.contact_episodes;
+        self.driven_contacts = truth.driven_contact_episodes;
         if self.contacts.is_some_and(|n| n > 0) {
             self.first_contact_s.get_or_insert(self.time_s);
         }

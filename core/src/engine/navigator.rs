@@ -56,11 +56,15 @@ pub struct Navigator {
     goal_since: Time,
     anchor: Option<Point2>,
     plans_at_anchor: u32,
+    /// Something remembered was seen to be gone since the robot came to this spot.
+    has_changed: bool,
 }
 
 impl Navigator {
     /// So many plans without progress are enough.
     const PLANS_WITHOUT_PROGRESS: u32 = 5;
+    /// So many where what is in the way comes and goes.
+    const PLANS_AMONG_PEOPLE: u32 = 20;
     /// Less than this is no progress, meters.
     const PROGRESS_M: f64 = 0.10;
 
@@ -82,6 +86,7 @@ impl Navigator {
             goal_since: Time::ZERO,
             anchor: None,
             plans_at_anchor: 0,
+            has_changed: false,
         }
     }
 
@@ -181,10 +186,11 @@ impl Navigator {
         if self.anchor.is_none_or(|anchor| (anchor - position).norm() >= Self::PROGRESS_M) {
             self.anchor = Some(position);
             self.plans_at_anchor = 0;
+            self.has_changed = false;
         }
         self.plans_at_anchor += 1;
-        if self.plans_at_anchor > Self::PLANS_WITHOUT_PROGRESS {
-            let n = Self::PLANS_WITHOUT_PROGRESS;
+        let n = if self.has_changed { Self::PLANS_AMONG_PEOPLE } else { Self::PLANS_WITHOUT_PROGRESS };
+        if self.plans_at_anchor > n {
             let reason = format!("{n} new plans without {:.2} m of progress", Self::PROGRESS_M);
             return self.end(now, Outcome::Stuck(reason), events);
         }
@@ -193,6 +199,11 @@ impl Navigator {
             return self.end(now, Outcome::Stuck(reason), events);
         }
         self.needs_plan = true;
+    }
+
+    /// A sensor saw that something is gone: a plan from the same spot may be another one.
+    pub fn note_change(&mut self) {
+        self.has_changed = true;
     }
 
     /// A path to follow.
@@ -256,6 +267,19 @@ mod tests {
             assert!(navigator.needs_plan, "plan {k}");
         }
         navigator.blocked(Time(9), Point2::origin(), &mut events);
+        assert!(matches!(navigator.outcome, Some(Outcome::Stuck(_))));
+    }
+
+    #[test]
+    fn where_things_come_and_go_there_are_more_plans_on_one_spot_but_not_for_ever() {
+        let (mut navigator, mut events) = (Navigator::new(&Mission::default()), Vec::new());
+        navigator.go(Time::ZERO, vec![goal(9.0)], &mut events);
+        for k in 0..20 {
+            navigator.blocked(Time(k), Point2::origin(), &mut events);
+            navigator.note_change();
+            assert!(navigator.needs_plan && navigator.outcome.is_none(), "plan {k}");
+        }
+        navigator.blocked(Time(20), Point2::new(0.05, 0.0), &mut events);
         assert!(matches!(navigator.outcome, Some(Outcome::Stuck(_))));
     }
 

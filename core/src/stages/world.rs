@@ -258,6 +258,9 @@ pub struct Truth {
     pub clearance_m: f64,
     /// How often contact began; absent where the world does not feel it.
     pub contact_episodes: Option<u32>,
+    /// In how many of these the robot's own motion was closing the distance; absent where nobody knows. Somebody who walks
+    /// into a robot that stands does not count.
+    pub driven_contact_episodes: Option<u32>,
 }
 
 /// Why a world does not answer.

@@ -58,6 +58,7 @@ impl Plugin<dyn World> for FloorParams {
                 twist: Twist::ZERO,
                 clearance_m: f64::INFINITY,
                 contact_episodes: Some(0),
+                driven_contact_episodes: Some(0),
             },
             ranges: Vec::with_capacity(1024),
             track_m,

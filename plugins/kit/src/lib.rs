@@ -17,6 +17,7 @@ pub mod likelihood_field;
 pub mod log_file;
 pub mod map_comparison;
 pub mod map_file;
+pub mod moving_clusters;
 pub mod normal;
 pub mod occupancy;
 pub mod port;

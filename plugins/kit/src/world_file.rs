@@ -91,6 +91,11 @@ pub struct Person {
     pub radius_m: f64,
     /// Height.
     pub height_m: f64,
+    /// Stops so far in front of the robot's hull and goes on when it has gone, meters; none for somebody who does not see
+    /// it.
+    pub personal_space_m: Option<f64>,
+    /// Walks back after waiting so long for the robot, seconds; none for somebody who waits for ever.
+    pub turn_back_after_s: Option<f64>,
 }
 
 /// A piece of wall that opens and closes (`[[door]]`).

@@ -17,6 +17,7 @@ mod simulation;
 mod slip;
 mod solid;
 mod sound;
+mod walker;
 
 pub(crate) use params::slip_schema;
 pub use params::{SimParams, Start};

@@ -22,7 +22,13 @@ pub fn put(ground: &Ground, rule: &People, start: [f64; 2], rng: &mut Rng, scene
     for idx in 0..n {
         let walk = (0..MOST_TRIES).find_map(|_| walk(ground, start, rng));
         let Some(route) = walk else { return };
-        scenery.persons.push(person(&format!("walker {}", idx + 1), &route, between(rule.speed_m_s, rng)));
+        let mut walker = person(&format!("walker {}", idx + 1), &route, between(rule.speed_m_s, rng));
+        let care =
+            [("personal_space_m", rule.personal_space_m), ("turn_back_after_s", rule.turn_back_after_s)];
+        for (key, value) in care {
+            walker.extend(value.map(|value| (key.to_owned(), Value::Float(value))));
+        }
+        scenery.persons.push(walker);
     }
 }
 

@@ -84,11 +84,15 @@ pub struct People {
     pub n: [u32; 2],
     /// How fast, m/s: from, to.
     pub speed_m_s: [f64; 2],
+    /// They stop so far in front of the robot's hull, meters; without it they do not see it.
+    pub personal_space_m: Option<f64>,
+    /// They walk back after waiting so long for the robot, seconds.
+    pub turn_back_after_s: Option<f64>,
 }
 
 impl Default for People {
     fn default() -> Self {
-        People { n: [1, 3], speed_m_s: [0.5, 1.2] }
+        People { n: [1, 3], speed_m_s: [0.5, 1.2], personal_space_m: None, turn_back_after_s: None }
     }
 }
 
@@ -134,6 +138,18 @@ impl Rules {
         }
         if clutter.every == 0 || !(clutter.size_m.is_finite() && clutter.size_m > 0.0) {
             faults.push(("clutter", "expected a size_m above 0 and an `every` of 1 or more".to_owned()));
+        }
+        let care = [
+            ("people.personal_space_m", people.personal_space_m),
+            ("people.turn_back_after_s", people.turn_back_after_s),
+        ];
+        for (key, value) in care {
+            if let Some(wrong) = value.filter(|value| !(value.is_finite() && *value >= 0.0)) {
+                faults.push((key, format!("is {wrong}, expected 0 or more")));
+            }
+        }
+        if people.turn_back_after_s.is_some() && people.personal_space_m.is_none() {
+            faults.push(("people.turn_back_after_s", "goes with people.personal_space_m only".to_owned()));
         }
         if self.without_goal && (self.way_m.is_some() || self.in_the_way.is_some()) {
             faults.push((

@@ -156,6 +156,20 @@ fn people_walk_on_free_floor_and_not_where_the_robot_stands() {
 }
 
 #[test]
+fn careful_people_walk_where_the_others_do() {
+    let blind = drawn("people = { n = [2, 2] }", 3);
+    let careful = drawn("people = { n = [2, 2], personal_space_m = 0.4, turn_back_after_s = 5.0 }", 3);
+    for person in 0..2 {
+        let of = |key: &str| format!("world/add/person/{person}/{key}");
+        assert_eq!(at(&blind, &of("personal_space_m")), None);
+        assert_eq!(number(&careful, &of("personal_space_m")), 0.4);
+        assert_eq!(number(&careful, &of("turn_back_after_s")), 5.0);
+        assert_eq!(at(&blind, &of("route")), at(&careful, &of("route")));
+        assert_eq!(at(&blind, &of("speed_m_s")), at(&careful, &of("speed_m_s")));
+    }
+}
+
+#[test]
 fn what_finds_no_room_is_said() {
     let rules: Rules = toml::from_str("way_m = [100.0, 110.0]").unwrap();
     assert!(draw(&space(), &rules, 1, 0).unwrap_err().contains("no room"));
@@ -169,6 +183,8 @@ fn faults_of_rules_are_named() {
         ("clutter = { every = 0 }", "clutter"),
         ("without_goal = true\nway_m = [1.0, 2.0]", "without_goal"),
         ("people = { speed_m_s = [-1.0, 2.0] }", "people.speed_m_s"),
+        ("people = { personal_space_m = -1.0 }", "people.personal_space_m"),
+        ("people = { turn_back_after_s = 1.0 }", "people.turn_back_after_s"),
     ] {
         let faults = toml::from_str::<Rules>(text).unwrap().faults();
         assert!(faults.len() == 1 && faults[0].0 == words, "{text}: {faults:?}");

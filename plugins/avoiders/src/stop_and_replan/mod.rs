@@ -2,15 +2,20 @@
 //!
 //! Hernández Alamilla (2005), *navigation with natural landmarks*, chapter 6: turn-then-go control with three speeds
 //! up and down (6.1), the watch in front of the robot (6.2). Corrections and extensions are marked where they are: sonar
-//! fused over time, which finds panes of glass, and bumpers.
+//! fused over time, which finds panes of glass, bumpers, and people who are
+//! followed instead of taken for obstacles that stand.
 
+pub mod braking;
 pub mod checkpoints;
 pub mod cones;
 pub mod evidence;
 pub mod explained;
 pub mod front_watch;
 pub mod lane;
+pub mod listening;
+pub mod meeting;
 mod params;
+pub mod people;
 mod plugin;
 pub mod progress;
 pub mod sightings;
@@ -25,4 +30,5 @@ pub mod turn_then_go;
 mod tests;
 
 pub use params::StopAndReplanParams;
+pub use people::PeopleParams;
 pub use plugin::StopAndReplan;

@@ -2,6 +2,8 @@
 
 use super::front_watch::WatchTuning;
 use super::lane::LaneTuning;
+use super::meeting::MeetingTuning;
+use super::people::PeopleParams;
 use super::sound_watch::SoundTuning;
 use super::speed_profile::SpeedProfile;
 use super::tuning::Tuning;
@@ -15,8 +17,8 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct StopAndReplanParams {
     /// Behave as published (Hernández Alamilla 2005): switches off `ignore_expected`, `look_ahead_m`, `sonar_decay_s`,
-    /// `heading_gain_per_s`, `keep_off_m` and `merge_within_cells`, stops at `stop_distance_m` at any speed, and reports obstacles only
-    /// inside the watched strip.
+    /// `heading_gain_per_s`, `keep_off_m`, `merge_within_cells` and `people`, stops at `stop_distance_m` at any speed, and reports
+    /// obstacles only inside the watched strip.
     pub thesis_mode: bool,
     /// Least, medium and greatest speed of a straight piece, m/s; the robot's own limit caps them.
     pub linear_speeds_m_s: [f64; 3],
@@ -74,6 +76,8 @@ pub struct StopAndReplanParams {
     /// Width of the strip ahead in which unexpected hits are reported, meters. Wider than the watched strip, so that one
     /// new path goes around the whole obstacle.
     pub insertion_width_m: f64,
+    /// What is done about people who walk: they are followed by the scanner, and are no obstacles that stand.
+    pub people: PeopleParams,
     /// A range reading older than this stops the robot while it drives, seconds. Must exceed the time between two
     /// readings of the slowest range sensor.
     pub stale_after_s: f64,
@@ -108,6 +112,7 @@ impl Default for StopAndReplanParams {
             look_ahead_m: 0.7,
             insertion_range_m: 1.0,
             insertion_width_m: 2.0,
+            people: PeopleParams::default(),
             stale_after_s: 1.0,
             stuck_after_s: 3.0,
         }
@@ -128,6 +133,7 @@ impl StopAndReplanParams {
             merge_within_cells: 0.0,
             keep_off_m: 0.0,
             insertion_width_m: self.watched_width_m,
+            people: PeopleParams { horizon_s: 0.0, ..self.people },
             ..self.clone()
         }
     }
@@ -186,6 +192,14 @@ impl StopAndReplanParams {
         })
     }
 
+    /// The numbers of meetings with people; none where they are obstacles like others.
+    pub fn meeting(&self, robot: &Robot) -> Option<MeetingTuning> {
+        (self.people.horizon_s > 0.0).then(|| {
+            let back_m_s = self.linear_speeds_m_s[1].min(robot.max_speed_m_s);
+            self.people.tuning(robot, self.expected_within_m, back_m_s)
+        })
+    }
+
     /// The room beside this robot.
     pub fn lane(&self, robot: &Robot) -> LaneTuning {
         LaneTuning { half_hull_m: half_hull_m(robot), keep_off_m: self.keep_off_m }
@@ -211,6 +225,7 @@ impl StopAndReplanParams {
             }
         }
         self.number_faults(&mut faults);
+        self.people.add_faults(&mut faults);
         if self.heading_tolerance_deg >= self.max_heading_error_deg {
             let (tolerance, most) = (self.heading_tolerance_deg, self.max_heading_error_deg);
             let wrong = format!("is {tolerance}, expected less than max_heading_error_deg ({most})");

@@ -1,10 +1,13 @@
 //! The avoider: control, watch, and when to stop and ask for a new path.
 
 use super::StopAndReplanParams;
+use super::braking::Braking;
 use super::front_watch::{Scene, WatchTuning};
 use super::lane::{Lane, LaneTuning};
+use super::listening::Listening;
+use super::meeting::{Advice, Meeting};
 use super::progress::Progress;
-use super::sightings::{Sightings, Source};
+use super::sightings::Sightings;
 use super::sound_watch::SoundWatch;
 use super::touch::add_touched;
 use super::turn_then_go::{Motion, TurnThenGo};
@@ -24,17 +27,16 @@ pub struct StopAndReplan {
     sound: Option<SoundWatch>,
     /// What bumpers touched since the last call.
     touched: Vec<Obstacle>,
+    /// People who walk; none where they are obstacles like others.
+    meeting: Option<Meeting>,
     lane: LaneTuning,
     control: TurnThenGo,
     sightings: Sightings,
     progress: Progress,
     merge_within_cells: f64,
-    stale_after: Span,
     /// How the stop distance grows with the speed; none where it does not.
     braking: Option<Braking>,
-    /// Fresh readings can be expected since then.
-    listening_since: Option<Time>,
-    last_call: Option<Time>,
+    listening: Listening,
     following: Option<u64>,
     /// The path is blocked, and this was said: the robot stands until another comes.
     is_blocked: bool,
@@ -63,15 +65,14 @@ impl StopAndReplan {
             watch,
             sound: params.sound(robot).map(SoundWatch::new),
             touched: Vec::new(),
+            meeting: params.meeting(robot).map(Meeting::new),
             lane: params.lane(robot),
             control: TurnThenGo::new(params.tuning(robot, 1.0 / rate_hz)),
             sightings: Sightings::new(farthest_m + Self::MARGIN_M),
             progress: Progress::new(Span::from_secs(params.stuck_after_s)),
             merge_within_cells: params.merge_within_cells,
-            stale_after: Span::from_secs(params.stale_after_s),
             braking: (!params.thesis_mode).then_some(braking),
-            listening_since: None,
-            last_call: None,
+            listening: Listening::new(Span::from_secs(params.stale_after_s)),
             following: None,
             is_blocked: false,
         }
@@ -89,10 +90,22 @@ impl StopAndReplan {
         for observation in input.seen.iter() {
             let then = since_then(observation.stamp);
             let map_from_base_then = scene.map_from_base * then;
-            self.sightings.see(observation, &(scene.odom_from_base * then));
+            let odom_from_base_then = scene.odom_from_base * then;
+            if let Some(meeting) = &mut self.meeting {
+                let map_from_odom = scene.map_from_base * scene.odom_from_base.inverse();
+                meeting.people.see(
+                    observation,
+                    &odom_from_base_then,
+                    &map_from_odom,
+                    input.map.grid.as_ref(),
+                );
+            }
+            let walkers = self.meeting.as_ref().map_or(&[][..], |meeting| meeting.people.walkers());
+            self.sightings.see(observation, &odom_from_base_then, walkers);
             add_touched(observation, &map_from_base_then, input.obstacles, &mut self.touched);
             if let Some(sound) = &mut self.sound {
-                sound.listen(observation, map_from_base_then, &self.sightings, scene);
+                let known = self.meeting.as_ref().map_or(&[][..], |meeting| meeting.people.known());
+                sound.listen(observation, map_from_base_then, &self.sightings, scene, known);
             }
         }
     }
@@ -113,34 +126,6 @@ impl StopAndReplan {
         !self.is_blocked
     }
 
-    /// Notes that nobody asked for long: what the sensors said meanwhile was not heard.
-    fn listen(&mut self, now: Time) {
-        let was_asked = self.last_call.is_some_and(|last| now - last <= self.stale_after);
-        if !was_asked {
-            self.listening_since = Some(now);
-        }
-        self.last_call = Some(now);
-    }
-
-    /// Every sensor that ever gave a reading still does; false while the first is waited for.
-    fn has_fresh_readings(&self, now: Time) -> Result<bool, AvoidError> {
-        let oldest = self.sightings.iter().min_by_key(|sighting| sighting.stamp);
-        if oldest.is_some_and(|sighting| now - sighting.stamp <= self.stale_after) {
-            return Ok(true);
-        }
-        let since = self.listening_since.unwrap_or(now);
-        if now - since <= self.stale_after {
-            return Ok(false);
-        }
-        let kind = match oldest.map(|sighting| sighting.source) {
-            None => "laser scan or range ring",
-            Some(Source::Laser) => "laser scan",
-            Some(Source::Sonar { .. }) => "range ring",
-        };
-        let age_s = (now - oldest.map_or(since, |sighting| sighting.stamp)).as_secs();
-        Err(AvoidError::NoReading { kind, age_s })
-    }
-
     fn turn(&mut self, now: Time, rate: f64, scene: &Scene<'_>) -> Steering {
         let twist = Twist::new(0.0, rate);
         if self.progress.is_stuck(now, twist, &scene.odom_from_base) {
@@ -157,10 +142,21 @@ impl StopAndReplan {
         input: &AvoidInput<'_>,
         scene: &Scene<'_>,
     ) -> Result<Steering, AvoidError> {
-        if !self.has_fresh_readings(now)? {
+        if !self.listening.has_fresh_readings(now, &self.sightings)? {
             self.progress.rest();
             return Ok(Steering::Drive(Twist::ZERO));
         }
+        let meeting = self.meeting.as_mut();
+        let advice = meeting.map_or(Advice::GoOn, |meeting| meeting.advise(twist, &self.control, scene));
+        let twist = match advice {
+            Advice::GoOn => twist,
+            Advice::Drive(slower) if slower.forward_m_s > 0.0 => slower,
+            Advice::Drive(instead) => {
+                self.progress.rest();
+                return Ok(Steering::Drive(instead));
+            }
+            Advice::AnotherPath => return Ok(self.block_for_people(scene)),
+        };
         // What is beyond the checkpoint, where the robot stops anyway, needs no brakes.
         let speed_m_s = input.twist.forward_m_s;
         let brakes_m = self.braking.map_or(0.0, |b| b.distance_m(speed_m_s).min(left_m + b.standing_m));
@@ -188,6 +184,16 @@ impl StopAndReplan {
         Ok(Steering::Drive(twist))
     }
 
+    /// Who has been in the way for long is an obstacle until a sensor sees through it.
+    fn block_for_people(&mut self, scene: &Scene<'_>) -> Steering {
+        let map_from_odom = scene.map_from_base * scene.odom_from_base.inverse();
+        let mut steering = self.block(scene, self.watch.stop_distance_m);
+        if let Steering::Blocked { obstacles } = &mut steering {
+            obstacles.extend(self.sightings.walkers(&map_from_odom));
+        }
+        steering
+    }
+
     fn block(&mut self, scene: &Scene<'_>, stop_distance_m: f64) -> Steering {
         self.is_blocked = true;
         self.progress.rest();
@@ -200,32 +206,6 @@ impl StopAndReplan {
     }
 }
 
-/// What a stop needs: the guard's own distance.
-#[derive(Debug, Clone, Copy)]
-struct Braking {
-    standing_m: f64,
-    latency_s: f64,
-    braking_m_s2: f64,
-}
-
-impl Braking {
-    /// Beyond the guard's distance, so that the avoider stops first, meters.
-    const TO_SPARE_M: f64 = 0.02;
-
-    fn of(robot: &Robot) -> Braking {
-        Braking {
-            standing_m: robot.hull().outer_radius_m() + robot.guard.margin_m + Self::TO_SPARE_M,
-            latency_s: robot.guard.latency_s,
-            braking_m_s2: robot.braking_m_s2,
-        }
-    }
-
-    /// From the base to what a stop at this speed just does not touch.
-    fn distance_m(&self, speed_m_s: f64) -> f64 {
-        self.standing_m + speed_m_s.powi(2) / (2.0 * self.braking_m_s2) + speed_m_s.abs() * self.latency_s
-    }
-}
-
 impl Avoider for StopAndReplan {
     fn steer(&mut self, cx: &mut Cx<'_>, input: &AvoidInput<'_>) -> Result<Steering, AvoidError> {
         if !is_finite2(&input.map_from_base) {
@@ -234,7 +214,7 @@ impl Avoider for StopAndReplan {
             return Err(MessageFault { message, field, found, expected }.into());
         }
         input.twist.check()?;
-        self.listen(cx.now);
+        self.listening.note(cx.now);
         let map_from_odom = flatten(&input.estimate.map_from_odom);
         let scene = Scene {
             now: cx.now,
@@ -247,7 +227,12 @@ impl Avoider for StopAndReplan {
             self.progress.rest();
             return Ok(Steering::Drive(Twist::ZERO));
         }
-        if !self.touched.is_empty() {
+        let is_touched = !self.touched.is_empty();
+        if self.meeting.as_mut().is_some_and(|m| m.is_touched_by_somebody(cx.now, input.twist, is_touched)) {
+            self.progress.rest();
+            return Ok(Steering::Drive(Twist::ZERO));
+        }
+        if is_touched {
             return Ok(self.block(&scene, self.watch.stop_distance_m));
         }
         if let Some(left_m) = self.control.left_m() {

@@ -4,8 +4,9 @@
 //! the estimate does not.
 
 use rumbo_core::frames::{Point2, Point3, Pose2, Pose3};
-use rumbo_core::messages::{Data, LaserScan, Observation, RangeRing, SensorId};
+use rumbo_core::messages::{Data, LaserScan, Observation, Obstacle, RangeRing, SensorId};
 use rumbo_core::time::Time;
+use rumbo_kit::moving_clusters::Mover;
 
 /// Which kind of sensor a reading comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +36,8 @@ pub struct Sighting {
     pub base_from_center: Point2,
     /// Hits, or echoes on their cones' axes, in the odometer's frame.
     pub odom_points: Vec<Point2>,
+    /// Hits of who walks, who is met otherwise.
+    pub walker_points: Vec<Point2>,
 }
 
 /// The last reading of every range sensor.
@@ -45,6 +48,9 @@ pub struct Sightings {
 }
 
 impl Sightings {
+    /// What is this near to the middle of who walks is a part of him, meters: half a stride.
+    const WALKER_M: f64 = 0.45;
+
     /// Nothing seen yet; hits farther than `keep_m` from their sensor are of no interest.
     pub fn new(keep_m: f64) -> Sightings {
         Sightings { keep_m, sightings: Vec::with_capacity(8) }
@@ -55,9 +61,19 @@ impl Sightings {
         self.sightings.iter()
     }
 
+    /// Hits of who walks, as obstacles of the map.
+    pub fn walkers(&self, map_from_odom: &Pose2) -> impl Iterator<Item = Obstacle> {
+        self.sightings.iter().flat_map(move |sighting| {
+            let stamp = sighting.stamp;
+            let as_obstacle =
+                move |hit: &Point2| Obstacle { position: map_from_odom * hit, radius_m: 0.0, stamp };
+            sighting.walker_points.iter().map(as_obstacle)
+        })
+    }
+
     /// Takes in a range reading, unless it is invalid or not newer than the last; `odom_from_base` is where the base was
-    /// when it was seen.
-    pub fn see(&mut self, observation: &Observation, odom_from_base: &Pose2) {
+    /// when it was seen. Laser hits at who walks, in the odometer's frame, are kept apart.
+    pub fn see(&mut self, observation: &Observation, odom_from_base: &Pose2, walkers: &[Mover]) {
         let mount = observation.base_from_sensor;
         let (source, n_readings) = match &observation.data {
             Data::LaserScan(scan) => (Source::Laser, scan.ranges_m.len()),
@@ -72,7 +88,10 @@ impl Sightings {
         let mut keep = |bearing_rad: f64, range_m: f64, from_center_m: f64| {
             if range_m <= keep_m {
                 let in_base = in_plane(&mount, bearing_rad, from_center_m);
-                sighting.odom_points.push(odom_from_base * in_base);
+                let point = odom_from_base * in_base;
+                let is_walker = sighting.source == Source::Laser
+                    && walkers.iter().any(|walker| (walker.position - point).norm() <= Self::WALKER_M);
+                if is_walker { &mut sighting.walker_points } else { &mut sighting.odom_points }.push(point);
             }
         };
         match &observation.data {
@@ -95,6 +114,7 @@ impl Sightings {
                 source,
                 base_from_center: Point2::origin(),
                 odom_points: Vec::new(),
+                walker_points: Vec::new(),
             });
             self.sightings.len() - 1
         });
@@ -102,6 +122,7 @@ impl Sightings {
         sighting.stamp = observation.stamp;
         sighting.source = source;
         sighting.odom_points.clear();
+        sighting.walker_points.clear();
         Some(sighting)
     }
 }

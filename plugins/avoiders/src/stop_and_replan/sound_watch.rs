@@ -8,6 +8,7 @@ use super::sightings::{Sightings, Source};
 use rumbo_core::frames::{Point2, Pose2, wrap_angle};
 use rumbo_core::map::Grid;
 use rumbo_core::messages::{Data, Observation, Obstacle};
+use rumbo_kit::moving_clusters::Mover;
 
 /// Numbers of the watch by sound, radians and meters.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,6 +61,7 @@ impl SoundWatch {
         map_from_base: Pose2,
         sightings: &Sightings,
         scene: &Scene<'_>,
+        people: &[Mover],
     ) {
         let (Data::RangeRing(ring), true) = (&observation.data, observation.valid) else { return };
         self.doubtful_m = f64::INFINITY;
@@ -68,7 +70,8 @@ impl SoundWatch {
             self.evidence.clear(now, &cone);
             let is_news = self.evidence.is_in_reach(&cone)
                 && !self.evidence.is_before(now, &cone)
-                && !self.is_expected(&cone, sightings, scene);
+                && !self.is_expected(&cone, sightings, scene)
+                && !is_somebody_in(&cone, scene, people);
             let off_rad = wrap_angle(cone.axis_rad - map_from_base.rotation.angle());
             if is_news && !self.evidence.hear(now, &cone) && off_rad.abs() <= Self::AHEAD_RAD {
                 self.doubtful_m = self.doubtful_m.min(cone.range_m);
@@ -142,9 +145,21 @@ impl SoundWatch {
     }
 }
 
+/// Somebody who walks may be what answers, and is elsewhere than in the last scan. Of his echoes no place would ever be
+/// forgotten: light goes through where he is no more, as it goes through glass.
+fn is_somebody_in(cone: &Cone, scene: &Scene<'_>, people: &[Mover]) -> bool {
+    const BODY_M: f64 = 0.45;
+    let map_from_odom = scene.map_from_base * scene.odom_from_base.inverse();
+    people.iter().any(|walker| {
+        let to_walker = map_from_odom * walker.position - cone.tip;
+        let around_rad = (BODY_M / to_walker.norm().max(BODY_M)).asin();
+        to_walker.norm() <= cone.range_m + BODY_M && cone.covers(to_walker.y.atan2(to_walker.x), around_rad)
+    })
+}
+
 fn laser_hits(sightings: &Sightings) -> impl Iterator<Item = Point2> + '_ {
     sightings
         .iter()
         .filter(|sighting| sighting.source == Source::Laser)
-        .flat_map(|sighting| sighting.odom_points.iter().copied())
+        .flat_map(|sighting| sighting.odom_points.iter().chain(&sighting.walker_points).copied())
 }

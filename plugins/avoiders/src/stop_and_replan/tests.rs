@@ -1,6 +1,7 @@
 //! The avoider as the engine sees it: what it does about readings, paths and their absence.
 
 mod by_sound_and_touch;
+mod people;
 
 use super::*;
 use front_watch::Scene;
@@ -200,7 +201,7 @@ fn the_front_watch_answers_every_vector() {
         bench.follow(&[(0.0, 0.0), (4.0, 0.0)]);
         let seen = [hits(bench.now, &pairs("laser")), echoes(bench.now, &pairs("sonar"))];
         let mut sightings = Sightings::new(10.0);
-        seen.iter().for_each(|observation| sightings.see(observation, &bench.pose));
+        seen.iter().for_each(|observation| sightings.see(observation, &bench.pose, &[]));
         let scene =
             Scene { now: bench.now, odom_from_base: bench.pose, map_from_base: bench.pose, grid: None };
         let watch = StopAndReplanParams::default().watch(&bench.robot);
@@ -318,7 +319,7 @@ fn the_lane_counts_what_is_beside_the_next_half_meter_of_the_way() {
         let mut sightings = Sightings::new(10.0);
         // The nearest whole degree is near enough to the point.
         let hit = (y.atan2(x).to_degrees().round(), x.hypot(y));
-        sightings.see(&hits(Time::ZERO, &[hit]), &Pose2::identity());
+        sightings.see(&hits(Time::ZERO, &[hit]), &Pose2::identity(), &[]);
         let moved = pose2(moved_m, 0.0, 0.0);
         let scene = Scene { now: Time::ZERO, odom_from_base: moved, map_from_base: moved, grid: None };
         let tuning = StopAndReplanParams::default().lane(&Robot::default());

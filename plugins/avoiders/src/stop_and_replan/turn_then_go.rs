@@ -4,6 +4,8 @@
 //! Progress is measured on the robot's estimated pose, so an estimate that moves does no harm: a movement ends where
 //! the estimate says, and is repeated from there when it missed.
 
+mod forecast;
+
 use super::checkpoints::{first_target, keep_corners};
 use super::lane::Lane;
 use super::straight::{Place, Straight};
@@ -122,6 +124,11 @@ impl TurnThenGo {
         let bend_rad = wrap_angle(renewed.heading_rad - straight.heading_rad);
         let fits = bend_rad.abs() <= self.tuning.heading_tolerance_rad;
         fits.then_some(Straight { aside_m: straight.aside_m, ..renewed })
+    }
+
+    /// Way done of the straight piece that the robot drives on: so far back it came, meters.
+    pub fn done_m(&self) -> f64 {
+        if let Phase::Driving(straight) = self.phase { straight.length_m - straight.left_m } else { 0.0 }
     }
 
     /// Way left to the checkpoint, while the robot drives there.

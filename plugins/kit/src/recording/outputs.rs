@@ -147,8 +147,10 @@ pub fn put_step(cdr: &mut CdrWriter, mark: &StepMark, state: State) {
         cdr.array(&numbers3(&truth.map_from_base));
         put_twist(cdr, &truth.twist);
         cdr.f64(truth.clearance_m);
-        cdr.length(usize::from(truth.contact_episodes.is_some()));
-        truth.contact_episodes.iter().for_each(|n| cdr.u32(*n));
+        // All of them, then those that the robot drove into: recordings from before they were told apart have one number.
+        let episodes = truth.contact_episodes.into_iter().chain(truth.driven_contact_episodes);
+        cdr.length(episodes.clone().count());
+        episodes.for_each(|n| cdr.u32(n));
     }
 }
 
@@ -158,12 +160,13 @@ pub fn read_step(message: &[u8]) -> Result<StepMark, CdrError> {
     let (step, now, _state) = (cdr.u64()?, Time(cdr.i64()?), cdr.u8()?);
     let truth = match cdr.length(1)? {
         0 => None,
-        _ => Some(Truth {
-            map_from_base: pose3_of(cdr.array()?),
-            twist: twist(&mut cdr)?,
-            clearance_m: cdr.f64()?,
-            contact_episodes: if cdr.length(4)? > 0 { Some(cdr.u32()?) } else { None },
-        }),
+        _ => {
+            let (map_from_base, twist) = (pose3_of(cdr.array()?), twist(&mut cdr)?);
+            let (clearance_m, n_episodes) = (cdr.f64()?, cdr.length(4)?);
+            let contact_episodes = (n_episodes > 0).then(|| cdr.u32()).transpose()?;
+            let driven_contact_episodes = (n_episodes > 1).then(|| cdr.u32()).transpose()?;
+            Some(Truth { map_from_base, twist, clearance_m, contact_episodes, driven_contact_episodes })
+        }
     };
     Ok(StepMark { step, now, truth })
 }

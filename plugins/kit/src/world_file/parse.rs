@@ -132,6 +132,14 @@ fn read_person(section: &mut Section<'_, '_, '_>) -> Option<Person> {
     let legs = section.word("shape", &[("disc", false), ("legs", true)], false);
     let radius_m = section.number("radius_m", Must::BePositive).unwrap_or(0.25);
     let height_m = section.number("height_m", Must::BePositive).unwrap_or(1.8);
+    let personal_space_m = section.number("personal_space_m", Must::NotBeNegative);
+    let turn_back_after_s = section.number("turn_back_after_s", Must::NotBeNegative);
+    if turn_back_after_s.is_some() && personal_space_m.is_none() {
+        section.fault(
+            "turn_back_after_s",
+            "is for who waits for the robot; expected personal_space_m as well".into(),
+        );
+    }
     if speed_m_s > 0.0 && route.windows(2).all(|leg| leg[0] == leg[1]) {
         section.fault(
             "route",
@@ -147,6 +155,8 @@ fn read_person(section: &mut Section<'_, '_, '_>) -> Option<Person> {
         legs,
         radius_m,
         height_m,
+        personal_space_m,
+        turn_back_after_s,
     })
 }
 

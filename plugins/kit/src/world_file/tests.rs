@@ -32,6 +32,8 @@ route = [[1, 1], [5, 1]]
 speed_m_s = 1.0
 shape = "legs"
 at_end = "circle"
+personal_space_m = 0.4
+turn_back_after_s = 5
 [[door]]
 from = [3, 0]
 to = [4, 0]
@@ -49,6 +51,8 @@ at = [0, 4.5]
     let corner = scene.boxes[0].corners()[0];
     assert!((corner[0] - 2.4).abs() < 1e-12 && (corner[1] - 2.4).abs() < 1e-12, "{corner:?}");
     assert!(scene.persons[0].legs && scene.persons[0].circular);
+    let care = (scene.persons[0].personal_space_m, scene.persons[0].turn_back_after_s);
+    assert_eq!(care, (Some(0.4), Some(5.0)));
     assert_eq!(scene.marks, [WorldMark { id: 7, at: [0.0, 4.5] }]);
     assert!(scene.doors[0].is_closed(9.9) && !scene.doors[0].is_closed(10.0));
 }
@@ -97,6 +101,7 @@ speed_m_s = "fast"
 [[person]]
 route = [[1, 1]]
 speed_m_s = 1
+turn_back_after_s = 3
 [[door]]
 from = [0, 0]
 to = [0, 1]
@@ -123,9 +128,10 @@ at = [0, 0]
         "19:1 person[1].route: missing; expected a list of points [[x, y], ...]",
         "20:13 person[1].speed_m_s: found \"fast\", expected a number",
         "22:9 person[2].route: never leaves its first point; expected at least two different points, or speed_m_s = 0",
-        "27:13 door[0].open_at_s: is inf, expected a finite number, 0 or more",
-        "29:6 mark[0].id: found -3, expected a whole number from 0 to 4294967295",
-        "31:2 robot: unknown key, did you mean robot_map?",
+        "24:21 person[2].turn_back_after_s: is for who waits for the robot; expected personal_space_m as well",
+        "28:13 door[0].open_at_s: is inf, expected a finite number, 0 or more",
+        "30:6 mark[0].id: found -3, expected a whole number from 0 to 4294967295",
+        "32:2 robot: unknown key, did you mean robot_map?",
     ];
     for (found, expected) in found.iter().zip(expected) {
         assert_eq!(found, expected);

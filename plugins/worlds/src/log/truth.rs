@@ -49,6 +49,7 @@ impl KnownTruth {
             twist: self.track.twist(now),
             clearance_m: f64::INFINITY,
             contact_episodes: None,
+            driven_contact_episodes: None,
         });
         if self.is_inside {
             self.track.forget_before(now - Self::GAP);

@@ -25,12 +25,16 @@ pub struct Body {
     pub clearance_m: f64,
     /// How often contact began.
     pub contact_episodes: u32,
+    /// In how many of them the robot's own motion was closing the distance.
+    pub driven_contact_episodes: u32,
     hull: Hull,
     view: View,
     placed: PlacedHull,
     /// The hull can move this far before anything may be met, meters.
     free_m: f64,
     touches: bool,
+    /// The robot drove into what it touches.
+    is_driven: bool,
 }
 
 impl Body {
@@ -43,11 +47,13 @@ impl Body {
             map_from_base,
             clearance_m: f64::INFINITY,
             contact_episodes: 0,
+            driven_contact_episodes: 0,
             hull,
             view,
             placed,
             free_m: 0.0,
             touches: false,
+            is_driven: false,
         };
         body.measure(place);
         body
@@ -75,7 +81,7 @@ impl Body {
             let next_m = self.clearance_at(place, map_from_next);
             // Away from a thing the robot may always drive, also when somebody walked into it.
             if next_m < TOUCH_M && next_m < clearance_m {
-                self.begin_contact();
+                self.begin_contact(true);
                 self.measure(place);
                 return driven_s / seconds;
             }
@@ -95,15 +101,17 @@ impl Body {
     fn note(&mut self, clearance_m: f64) {
         (self.clearance_m, self.free_m) = (clearance_m, clearance_m);
         if clearance_m <= 0.0 {
-            self.begin_contact();
+            self.begin_contact(false);
         } else if clearance_m > APART_M {
-            self.touches = false;
+            (self.touches, self.is_driven) = (false, false);
         }
     }
 
-    fn begin_contact(&mut self) {
+    fn begin_contact(&mut self, is_driven: bool) {
         self.contact_episodes += u32::from(!self.touches);
+        self.driven_contact_episodes += u32::from(is_driven && !self.is_driven);
         self.touches = true;
+        self.is_driven |= is_driven;
     }
 
     /// Things moved by themselves: nothing is known about the surroundings until the next measurement.
@@ -188,7 +196,7 @@ mod tests {
         for _ in 0..5 {
             assert_eq!(body.drive(&mut place, Twist::new(1.0, 0.0), 0.1), 0.0);
         }
-        assert_eq!(body.contact_episodes, 1);
+        assert_eq!((body.contact_episodes, body.driven_contact_episodes), (1, 1));
         let mut bearings = Vec::new();
         body.contacts(&mut place, &mut bearings);
         assert!(bearings.len() == 1 && bearings[0].abs() < 1e-6, "{bearings:?}");
@@ -250,5 +258,11 @@ mod tests {
         assert_eq!(body.contact_episodes, 2, "the person stands at x = 0, the robot at 0.3");
         assert!(body.clearance_m < 0.0);
         assert_eq!(body.drive(&mut place, Twist::new(0.1, 0.0), 0.1), 1.0, "away from the person");
+        assert_eq!(
+            body.driven_contact_episodes, 1,
+            "who walks into a robot that stands or leaves was not driven into"
+        );
+        assert_eq!(body.drive(&mut place, Twist::new(-0.1, 0.0), 0.1), 0.0, "towards the person");
+        assert_eq!((body.contact_episodes, body.driven_contact_episodes), (2, 2));
     }
 }

@@ -1,13 +1,14 @@
 //! A world file made ready: walls and solids in one lattice frame, sorted once for each height that is looked at.
 
 use rumbo_core::frames::{Pose2, pose2};
+use rumbo_core::robot::Hull;
 use rumbo_kit::map_file::MapImage;
-use rumbo_kit::world_file::{Door, Material, Person, WorldMark, WorldScene};
+use rumbo_kit::world_file::{Door, Material, WorldMark, WorldScene};
 
 use super::lattice::Lattice;
 use super::params::Companion;
-use super::person;
 use super::solid::{Footprint, Point, Solid, Vector};
+use super::walker::Walker;
 
 /// What must be seen: which heights, and whether glass counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,11 +32,13 @@ pub struct Place {
     pub marks: Vec<WorldMark>,
     /// Who walks in front of the robot.
     pub companion: Option<Companion>,
+    /// What careful people keep away from.
+    pub hull: Option<Hull>,
     size: (usize, usize),
     walls: Vec<bool>,
     wall_height_m: f64,
     solids: Vec<Solid>,
-    persons: Vec<Person>,
+    walkers: Vec<Walker>,
     doors: Vec<Door>,
     movers: Vec<Solid>,
     views: Vec<(View, usize)>,
@@ -119,11 +122,12 @@ impl Place {
             lattice_from_map,
             marks: scene.marks.clone(),
             companion: None,
+            hull: None,
             size: (size[0], size[1]),
             walls: vec![false; if map.is_some() { size[0] * size[1] } else { 0 }],
             wall_height_m: scene.map_height_m,
             solids: Vec::new(),
-            persons: scene.persons.clone(),
+            walkers: scene.persons.iter().cloned().map(Walker::new).collect(),
             doors: scene.doors.clone(),
             movers: Vec::with_capacity(scene.doors.len() + 2 * scene.persons.len()),
             views: Vec::new(),
@@ -180,10 +184,13 @@ impl Place {
             let [from, to] = [door.from, door.to].map(|end| self.lattice_from_map * Point::from(end));
             movers.push(self.in_cells(Footprint::Segment { from, to }, 0.0, door.height_m, door.material));
         }
-        for person in &self.persons {
-            for (center, radius_m) in person::discs(person, time_s) {
+        for walker in &mut self.walkers {
+            walker.walk_until(time_s, self.hull.as_ref().map(|hull| (map_from_base, hull)));
+        }
+        for walker in &self.walkers {
+            for (center, radius_m) in walker.discs() {
                 let footprint = Footprint::Disc { center: self.lattice_from_map * center, radius: radius_m };
-                movers.push(self.in_cells(footprint, 0.0, person.height_m, Material::Opaque));
+                movers.push(self.in_cells(footprint, 0.0, walker.height_m(), Material::Opaque));
             }
         }
         if let Some(companion) = self.companion {
@@ -207,7 +214,7 @@ impl Place {
 
     /// Whether nothing moves here.
     pub fn is_still(&self) -> bool {
-        self.persons.is_empty() && self.doors.is_empty() && self.companion.is_none()
+        self.walkers.is_empty() && self.doors.is_empty() && self.companion.is_none()
     }
 
     /// Number of the lattice for a view, made at the first call.

@@ -52,6 +52,7 @@ impl Simulation {
         slip: Option<Box<dyn Slip>>,
         rng: Rng,
     ) -> Simulation {
+        place.hull = Some(robot.hull());
         place.set_time(0.0, &map_from_base);
         let body = Body::new(robot, &mut place, map_from_base);
         let truth = Truth {
@@ -59,6 +60,7 @@ impl Simulation {
             twist: Twist::ZERO,
             clearance_m: body.clearance_m,
             contact_episodes: Some(0),
+            driven_contact_episodes: Some(0),
         };
         Simulation {
             place,
@@ -88,6 +90,7 @@ impl Simulation {
             twist: floor_twist,
             clearance_m: self.body.clearance_m,
             contact_episodes: Some(self.body.contact_episodes),
+            driven_contact_episodes: Some(self.body.driven_contact_episodes),
         };
     }
 

@@ -180,7 +180,7 @@ fn echoes_of_the_time_while_the_robot_waited_are_explained_by_the_scans_of_that_
     assert!(drives(&bench.steer(&seen).unwrap()), "nothing is left of it");
 }
 
-fn touch(stamp: Time, pressed: u64) -> Observation {
+pub(super) fn touch(stamp: Time, pressed: u64) -> Observation {
     let bumpers = Bumpers {
         n_bumpers: 16,
         pressed,
