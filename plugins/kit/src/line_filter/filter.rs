@@ -83,6 +83,8 @@ pub struct LineFilter {
     pub(super) tentative: Tentative,
     pub(super) n_scans: u64,
     consistency: [Consistency; 3],
+    /// Since when the wheels have disagreed without a break, seconds; none while they agree.
+    slipping_s: Option<f64>,
 }
 
 impl LineFilter {
@@ -96,6 +98,7 @@ impl LineFilter {
             tentative: Tentative::default(),
             n_scans: 0,
             consistency: Default::default(),
+            slipping_s: None,
         }
     }
 
@@ -144,16 +147,24 @@ impl LineFilter {
     /// Goes on by so many seconds.
     pub fn predict(&mut self, seconds: f64) {
         self.settings.motion.predict(&mut self.state, seconds);
+        self.slipping_s = self.slipping_s.map(|since_s| since_s + seconds);
     }
 
     /// Takes in the speeds of the left and the right wheel, m/s.
     pub fn read_wheels(&mut self, speeds_m_s: [f64; 2]) -> Reading {
-        let rows = self.settings.wheels.rows(&self.state.robot, speeds_m_s);
-        let Ok(update) = Update::new(&self.state, &rows) else { return Reading::Refused };
+        let wheels = self.settings.wheels;
+        let rows = wheels.rows(&self.state.robot, speeds_m_s);
+        let Ok(mut update) = Update::new(&self.state, &rows) else { return Reading::Refused };
         let distance2 = update.distance2();
-        if !(distance2 <= self.settings.wheels.slip_gate) {
-            return Reading::Slipping(distance2);
+        if distance2.is_nan() || distance2 > wheels.slip_gate {
+            if *self.slipping_s.get_or_insert(0.0) <= wheels.longest_slip_s || !distance2.is_finite() {
+                return Reading::Slipping(distance2);
+            }
+            wheels.forget_motion(&mut self.state, &rows);
+            let Ok(again) = Update::new(&self.state, &rows) else { return Reading::Refused };
+            update = again;
         }
+        self.slipping_s = None;
         update.fuse(&mut self.state, &rows, self.map_use == MapUse::Known);
         self.consistency[0].push(distance2, 2);
         Reading::Fused(distance2)

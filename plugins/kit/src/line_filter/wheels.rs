@@ -1,5 +1,6 @@
 //! Speeds of the two wheels of the fixed axle (equation 1 of the source).
 
+use super::state::State;
 use super::update::Row;
 use nalgebra::Vector5;
 
@@ -13,11 +14,13 @@ pub struct Wheels {
     /// Readings whose squared Mahalanobis distance is above this come from a wheel that slips; 13.8 is 99.9 % of two
     /// degrees of freedom. Not in the source.
     pub slip_gate: f64,
+    /// Wheels that disagree for longer than this do not slip: the prediction errs, and they are believed again, seconds.
+    pub longest_slip_s: f64,
 }
 
 impl Default for Wheels {
     fn default() -> Self {
-        Wheels { half_track_m: 0.45, speed_m_s: 0.02, slip_gate: 13.8 }
+        Wheels { half_track_m: 0.45, speed_m_s: 0.02, slip_gate: 13.8, longest_slip_s: 0.6 }
     }
 }
 
@@ -36,5 +39,15 @@ impl Wheels {
             Row::new(&[(3, 1.0), (4, side * self.half_track_m)], speeds_m_s[k] - expected[k], variance)
         };
         [row(0, -1.0), row(1, 1.0)]
+    }
+
+    /// Speed and turn may be off by as much as the wheels say.
+    pub(super) fn forget_motion(&self, state: &mut State, rows: &[Row; 2]) {
+        let [left, right] = rows.each_ref().map(|row| row.innovation);
+        let off = [(left + right) / 2.0, (right - left) / (2.0 * self.half_track_m)];
+        let mut covariance = state.covariance.view_mut();
+        for (column, off) in (3..).zip(off) {
+            covariance[(column, column)] += off * off;
+        }
     }
 }

@@ -1,5 +1,5 @@
 //! The forklift experiment: a hall with six columns, driven through in circles; recorded, or simulated with a seed.
-#![allow(dead_code, clippy::unwrap_used, clippy::panic)]
+#![allow(dead_code, unused_imports, clippy::unwrap_used, clippy::panic)]
 
 mod metrics;
 mod recorded;

@@ -36,7 +36,7 @@ pub struct Outcome {
     pub line_nis: f64,
     /// Largest rise of a wall's standard deviation from one scan to the next.
     pub largest_rise: f64,
-    /// Symmetric and positive definite after every scan.
+    /// Symmetric and positive definite, looked at after every tenth scan.
     pub is_covariance_fine: bool,
     /// More than three times as many walls as there are, farther off than 2 m, or not finite.
     pub is_unstable: bool,
@@ -97,9 +97,12 @@ pub fn run(setup: &Setup, steps: &[Step]) -> Outcome {
             sums.nis += report.matches.iter().map(|found| found.distance2).sum::<f64>();
             sums.n_nis += report.matches.len() as f64;
         }
-        if k % SCAN_EVERY == 0 {
+        if k.is_multiple_of(SCAN_EVERY) {
             measure(&mut sums, &mut outcome, &filter, step.truth.unwrap());
             variances = rise(&mut outcome, &filter, &variances);
+            if (k / SCAN_EVERY).is_multiple_of(10) {
+                outcome.is_covariance_fine &= is_covariance(&filter);
+            }
             if outcome.is_unstable {
                 break;
             }
@@ -121,7 +124,7 @@ fn measure(sums: &mut Sums, outcome: &mut Outcome, filter: &LineFilter, truth: [
     let error_m = error[0].hypot(error[1]);
     outcome.max_error_m = outcome.max_error_m.max(error_m);
     outcome.is_unstable |=
-        filter.walls().len() > TOO_MANY_WALLS || !(error_m <= 2.0) || !filter.state().is_finite();
+        filter.walls().len() > TOO_MANY_WALLS || error_m > 2.0 || !filter.state().is_finite();
     sums.n += 1.0;
     sums.square_m2 += error_m * error_m;
     sums.square_rad2 += error[2] * error[2];
@@ -134,14 +137,15 @@ fn rise(outcome: &mut Outcome, filter: &LineFilter, before: &[f64]) -> Vec<f64> 
     for (after, before) in after.iter().zip(before) {
         outcome.largest_rise = outcome.largest_rise.max(after.sqrt() - before.sqrt());
     }
+    after
+}
+
+/// Symmetric to the bit, and positive definite.
+fn is_covariance(filter: &LineFilter) -> bool {
     let covariance = filter.state().covariance.view().into_owned();
     let is_symmetric = covariance == covariance.transpose();
     // A known map has no variance of its own: its part of the matrix is zero.
-    let moving = if filter.walls().len() * 2 + ROBOT == covariance.nrows() && after.iter().all(|v| *v == 0.0) {
-        covariance.view((0, 0), (ROBOT, ROBOT)).into_owned()
-    } else {
-        covariance
-    };
-    outcome.is_covariance_fine &= is_symmetric && nalgebra::Cholesky::new(moving).is_some();
-    after
+    let is_known = covariance.diagonal().iter().skip(ROBOT).all(|v| *v == 0.0);
+    let moving = if is_known { covariance.view((0, 0), (ROBOT, ROBOT)).into_owned() } else { covariance };
+    is_symmetric && nalgebra::Cholesky::new(moving).is_some()
 }

@@ -48,7 +48,7 @@ pub fn simulated(seed: u64) -> Vec<Step> {
         let t = 0.05 * k as f64;
         let curvature = 0.22 + 0.03 * (TAU * t / 17.0).sin();
         let steering = (-BEHIND_M * curvature).atan() + 0.5f64.to_radians() * normal(&mut rng);
-        let lines = (k % SCAN_EVERY == 0).then(|| {
+        let lines = k.is_multiple_of(SCAN_EVERY).then(|| {
             let ranges = simulated_scan([x, y, theta], &fan, 720, &mut rng);
             extractor.extract(&fan, ranges.into_iter()).to_vec()
         });
