@@ -17,14 +17,17 @@ mod filter;
 mod growth;
 mod merging;
 mod motion;
+mod params;
 mod saved;
 mod schedule;
 mod sighting;
 mod state;
 mod steering;
 mod tentative;
+mod tracker;
 mod update;
 mod wall;
+mod wheel_readings;
 mod wheels;
 
 #[cfg(test)]
@@ -37,11 +40,15 @@ pub use covariance::Covariance;
 pub use filter::{LineFilter, MapUse, Reading, ScanReport, WallMap};
 pub use growth::Growth;
 pub use motion::{Integration, MotionModel};
+pub use params::{
+    ExtractionParams, KeyFault, PeriodParams, SensorNoiseParams, SharedParams, SteeredWheel,
+};
 pub use saved::{SavedFault, SavedFilter};
 pub use schedule::{Schedule, ScheduleFault};
 pub use sighting::{Mount, PredictedLine, placed};
 pub use state::{ROBOT, State};
 pub use steering::{Steering, SteeringModel};
+pub use tracker::{LeftOut, LineTracker, TrackFault, TrackerSettings};
 pub use update::{NotPositiveDefinite, Row, Update};
 pub use wall::Wall;
 pub use wheels::Wheels;

@@ -71,9 +71,9 @@ impl Clock {
     }
 
     /// Goes on from a state of this time.
-    pub fn resume(&mut self, start: Time, now: Time) {
-        (self.start, self.now, self.taken) = (start, Some(now), [None; 3]);
-        if let Some((_, periods_ns)) = &self.schedule {
+    pub fn resume(&mut self, start: Time, now: Option<Time>) {
+        (self.start, self.now, self.taken) = (start, now, [None; 3]);
+        if let (Some((_, periods_ns)), Some(now)) = (&self.schedule, now) {
             self.taken = periods_ns.map(|period| Some(period_of((now - start).0, period)));
         }
     }

@@ -134,6 +134,17 @@ impl LineFilter {
         to_layer(&self.state, &self.walls)
     }
 
+    /// Its map is given.
+    pub fn is_on_map(&self) -> bool {
+        self.map_use == MapUse::Known
+    }
+
+    /// Nothing is known any more of the speed and the turn but these deviations, m/s and rad/s.
+    pub fn forget_motion(&mut self, deviations: [f64; 2]) {
+        self.state.forget_motion(deviations);
+        self.slipping_s = None;
+    }
+
     /// What it is set to.
     pub fn settings(&self) -> &FilterSettings {
         &self.settings
@@ -160,7 +171,7 @@ impl LineFilter {
             if *self.slipping_s.get_or_insert(0.0) <= wheels.longest_slip_s || !distance2.is_finite() {
                 return Reading::Slipping(distance2);
             }
-            wheels.forget_motion(&mut self.state, &rows);
+            wheels.doubt_motion(&mut self.state, &rows);
             let Ok(again) = Update::new(&self.state, &rows) else { return Reading::Refused };
             update = again;
         }

@@ -2,10 +2,11 @@
 
 use super::state::{ROBOT, State, wrapped};
 use nalgebra::{Matrix5, SMatrix, Vector5};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// How a step is integrated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Integration {
     /// Along the heading in the middle of the step.

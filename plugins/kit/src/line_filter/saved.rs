@@ -47,8 +47,8 @@ pub enum SavedFault {
 pub struct SavedFilter {
     /// Time of the first reading.
     pub start: Time,
-    /// Time of the state.
-    pub now: Time,
+    /// Time of the state; none before the first reading.
+    pub now: Option<Time>,
     /// The odometer's last reading: x, y (m), yaw (rad).
     pub odom_from_base: [f64; 3],
     /// When that was; none where it came with the start.
@@ -64,8 +64,9 @@ impl SavedFilter {
         let mut out = Writer(Vec::new());
         out.0.extend_from_slice(&MAGIC);
         out.0.extend_from_slice(&VERSION.to_le_bytes());
-        out.integers(&[self.start.0, self.now.0]);
-        out.integers(&[i64::from(self.odometry_stamp.is_some()), self.odometry_stamp.map_or(0, |stamp| stamp.0)]);
+        out.integers(&[self.start.0]);
+        out.stamp(self.now);
+        out.stamp(self.odometry_stamp);
         out.numbers(&self.odom_from_base);
         out.integers(&[*n_scans as i64, walls.len() as i64, tentative.candidates.len() as i64]);
         out.numbers(state.robot.as_slice());
@@ -129,8 +130,7 @@ fn checked(bytes: &[u8]) -> Result<&[u8], SavedFault> {
 }
 
 fn read(input: &mut Reader<'_>, settings: FilterSettings) -> Result<SavedFilter, SavedFault> {
-    let [start, now] = [Time(input.integer()?), Time(input.integer()?)];
-    let (has_odometry, odometry) = (input.integer()? != 0, Time(input.integer()?));
+    let (start, now, odometry_stamp) = (Time(input.integer()?), input.stamp()?, input.stamp()?);
     let odom_from_base = [input.number()?, input.number()?, input.number()?];
     let n_scans = input.integer()? as u64;
     let [n_walls, n_candidates] = [input.integer()? as u64, input.integer()? as u64];
@@ -165,7 +165,7 @@ fn read(input: &mut Reader<'_>, settings: FilterSettings) -> Result<SavedFilter,
     let mut filter = LineFilter::building(settings, robot, &Matrix5::zeros());
     (filter.map_use, filter.state, filter.walls) = (MapUse::Build, state, walls);
     (filter.tentative, filter.n_scans) = (tentative, n_scans);
-    Ok(SavedFilter { start, now, odom_from_base, odometry_stamp: has_odometry.then_some(odometry), filter })
+    Ok(SavedFilter { start, now, odom_from_base, odometry_stamp, filter })
 }
 
 struct Writer(Vec<u8>);
@@ -177,6 +177,10 @@ impl Writer {
 
     fn integers(&mut self, integers: &[i64]) {
         integers.iter().for_each(|integer| self.0.extend_from_slice(&integer.to_le_bytes()));
+    }
+
+    fn stamp(&mut self, stamp: Option<Time>) {
+        self.integers(&[i64::from(stamp.is_some()), stamp.map_or(0, |stamp| stamp.0)]);
     }
 }
 
@@ -195,6 +199,11 @@ impl Reader<'_> {
 
     fn integer(&mut self) -> Result<i64, SavedFault> {
         self.eight().map(i64::from_le_bytes)
+    }
+
+    fn stamp(&mut self) -> Result<Option<Time>, SavedFault> {
+        let (is_there, stamp) = (self.integer()? != 0, Time(self.integer()?));
+        Ok(is_there.then_some(stamp))
     }
 
     fn ends_m(&mut self) -> Result<[[f64; 2]; 2], SavedFault> {

@@ -87,6 +87,17 @@ impl State {
         self.walls.swap_remove(wall);
     }
 
+    /// The robot may move with any speed and turn of these deviations, whatever was known of them.
+    pub(super) fn forget_motion(&mut self, deviations: [f64; 2]) {
+        let mut covariance = self.covariance.view_mut();
+        for (k, deviation) in (3..).zip(deviations) {
+            self.robot[k] = 0.0;
+            covariance.row_mut(k).fill(0.0);
+            covariance.column_mut(k).fill(0.0);
+            covariance[(k, k)] = deviation * deviation;
+        }
+    }
+
     /// Angles in (-pi, pi].
     pub(super) fn wrap(&mut self) {
         self.robot[2] = wrapped(self.robot[2]);

@@ -6,10 +6,11 @@
 use super::state::wrapped;
 use super::update::Row;
 use nalgebra::Vector5;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What the angle has to do with the motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SteeringModel {
     /// `beta = arctan(-M omega / v)`.

@@ -3,6 +3,7 @@ mod gates;
 mod map;
 mod one_step;
 mod saving;
+mod tracking;
 mod twin;
 
 use crate::lines::SensedLine;

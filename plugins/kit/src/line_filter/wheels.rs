@@ -42,7 +42,7 @@ impl Wheels {
     }
 
     /// Speed and turn may be off by as much as the wheels say.
-    pub(super) fn forget_motion(&self, state: &mut State, rows: &[Row; 2]) {
+    pub(super) fn doubt_motion(&self, state: &mut State, rows: &[Row; 2]) {
         let [left, right] = rows.each_ref().map(|row| row.innovation);
         let off = [(left + right) / 2.0, (right - left) / (2.0 * self.half_track_m)];
         let mut covariance = state.covariance.view_mut();

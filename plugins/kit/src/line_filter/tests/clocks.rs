@@ -84,7 +84,7 @@ fn at_a_single_rate_every_sensor_is_read_as_often_as_the_laser() {
 fn a_resumed_clock_does_not_read_a_period_twice() {
     let periods = [50 * MS, 50 * MS, 500 * MS];
     let mut clock = Clock::scheduled(LATE, Schedule::new(&periods).unwrap(), periods);
-    clock.resume(at(0.0), at(1000.0));
+    clock.resume(at(0.0), Some(at(1000.0)));
     assert_eq!(clock.admit(Source::Laser, at(1000.0)), Instant::NotDue);
     assert!(matches!(clock.admit(Source::Laser, at(1500.0)), Instant::Ahead { n_steps: 10, .. }));
 }

@@ -20,7 +20,7 @@ fn grown() -> LineFilter {
 fn saved() -> SavedFilter {
     SavedFilter {
         start: Time(5),
-        now: Time(700),
+        now: Some(Time(700)),
         odom_from_base: [1.0, -2.0, 0.5],
         odometry_stamp: Some(Time(650)),
         filter: grown(),
@@ -78,7 +78,7 @@ fn every_damage_is_refused() {
     assert_eq!(fault(&summed(longer)), SavedFault::Damaged);
     // Numbers of walls that nobody has room for.
     let mut huge = bytes.clone();
-    huge[76..84].copy_from_slice(&i64::MAX.to_le_bytes());
+    huge[84..92].copy_from_slice(&i64::MAX.to_le_bytes());
     assert_eq!(fault(&summed(huge)), SavedFault::Damaged);
 }
 
