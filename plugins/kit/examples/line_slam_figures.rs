@@ -43,7 +43,10 @@ fn table(title: &str, settings: &FilterSettings, drives: &[Vec<Step>]) {
         println!("    map offset, mm      {}", spread(&outcomes, |o| 1e3 * o.map_offset_m));
         println!("    walls (28 true)     {}", spread(&outcomes, |o| o.n_walls as f64));
         println!("    unstable            {}", outcomes.iter().filter(|o| o.is_unstable).count());
-        println!("    largest rise of a wall's deviation {:.1e}", outcomes.iter().map(|o| o.largest_rise).fold(0.0, f64::max));
+        println!(
+            "    largest rise of a wall's deviation {:.1e}",
+            outcomes.iter().map(|o| o.largest_rise).fold(0.0, f64::max)
+        );
     }
 }
 
@@ -93,7 +96,10 @@ fn main() {
     for integration in [Integration::Euler, Integration::Midpoint] {
         for (name, mode) in &MODES[1..] {
             for (gate, has_gate) in [("slip gate", true), ("no slip gate", false)] {
-                println!("  {integration:?}, {name}, {gate}: {}", tunings(integration, *mode, has_gate, &drives));
+                println!(
+                    "  {integration:?}, {name}, {gate}: {}",
+                    tunings(integration, *mode, has_gate, &drives)
+                );
             }
         }
     }

@@ -6,7 +6,9 @@ mod forklift;
 
 use forklift::{Mode, Outcome, SCAN_EVERY, Setup, Step, recorded, run, simulated, truth};
 use rumbo_core::frames::wrap_angle;
-use rumbo_kit::line_filter::{FilterSettings, Growth, Integration, MotionModel, Steering, SteeringModel, Wheels};
+use rumbo_kit::line_filter::{
+    FilterSettings, Growth, Integration, MotionModel, Steering, SteeringModel, Wheels,
+};
 use std::sync::LazyLock;
 
 static LOG: LazyLock<Vec<Step>> = LazyLock::new(recorded);
@@ -71,19 +73,16 @@ fn the_log_gives_what_the_reference_filter_gives() {
     ];
     for (mode, settings, expected, n_walls) in rows {
         let o = on_log(mode, &settings);
-        let found = [
-            o.position_rmse_m,
-            o.max_error_m,
-            o.heading_rmse_rad,
-            o.nees,
-            o.line_nis,
-            o.map_offset_m,
-        ];
+        let found =
+            [o.position_rmse_m, o.max_error_m, o.heading_rmse_rad, o.nees, o.line_nis, o.map_offset_m];
         let share = if mode == Mode::SingleRate { 0.06 } else { 0.002 };
         for (k, (found, expected)) in found.into_iter().zip(expected).enumerate() {
             // Which end a wall is measured at differs: that moves its middle.
             let share = if k == 5 { 0.10 } else { share };
-            assert!((found - expected).abs() <= share * expected + 5e-6, "{mode:?} {k}: {found} for {expected}");
+            assert!(
+                (found - expected).abs() <= share * expected + 5e-6,
+                "{mode:?} {k}: {found} for {expected}"
+            );
         }
         assert_eq!(o.n_walls, n_walls, "{mode:?}");
     }

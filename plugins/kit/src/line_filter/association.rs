@@ -25,13 +25,7 @@ pub struct Gates {
 
 impl Default for Gates {
     fn default() -> Self {
-        Gates {
-            distance2: 9.0,
-            behind_m: 0.3,
-            distance_m: 0.8,
-            normal_rad: 20f64.to_radians(),
-            gap_m: 1.0,
-        }
+        Gates { distance2: 9.0, behind_m: 0.3, distance_m: 0.8, normal_rad: 20f64.to_radians(), gap_m: 1.0 }
     }
 }
 
@@ -64,7 +58,8 @@ pub(super) fn associate(
     seen: &[SensedLine],
     gates: &Gates,
 ) -> Vec<Match> {
-    let ends_m: Vec<[[f64; 2]; 2]> = seen.iter().map(|line| line.ends_m.map(|end| view.in_map(end))).collect();
+    let ends_m: Vec<[[f64; 2]; 2]> =
+        seen.iter().map(|line| line.ends_m.map(|end| view.in_map(end))).collect();
     let mut nearest: Vec<Option<Match>> = vec![None; seen.len()];
     for (wall, (line, piece)) in state.walls.iter().zip(walls).enumerate() {
         let predicted = PredictedLine::from(view, *line);

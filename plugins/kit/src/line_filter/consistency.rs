@@ -53,10 +53,7 @@ impl Consistency {
         let (sum, degrees) = self.window.iter().fold((0.0, 0), |(sum, n), (d2, k)| (sum + d2, n + k));
         let z = upper_quantile(OUTSIDE / 2.0)?;
         let degrees = f64::from(degrees);
-        Some(NisBand {
-            mean: sum / degrees,
-            band: [-z, z].map(|z| chi_square(degrees, z) / degrees),
-        })
+        Some(NisBand { mean: sum / degrees, band: [-z, z].map(|z| chi_square(degrees, z) / degrees) })
     }
 }
 

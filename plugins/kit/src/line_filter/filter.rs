@@ -213,7 +213,12 @@ impl LineFilter {
     }
 
     /// One stacked update of all matches.
-    fn fuse(&mut self, view: &Viewpoint, seen: &[SensedLine], matches: &[Match]) -> Result<(), NotPositiveDefinite> {
+    fn fuse(
+        &mut self,
+        view: &Viewpoint,
+        seen: &[SensedLine],
+        matches: &[Match],
+    ) -> Result<(), NotPositiveDefinite> {
         let rows = rows_of(&self.state, view, seen, matches);
         let update = Update::new(&self.state, &rows)?;
         update.fuse(&mut self.state, &rows, self.map_use == MapUse::Known);

@@ -16,7 +16,8 @@ pub(super) fn merge_one(
     gates: &Gates,
 ) -> Option<usize> {
     let (kept, gone) = touched.iter().find_map(|&one| {
-        let other = (0..walls.len()).find(|&other| other != one && are_one(state, walls, one, other, gates))?;
+        let other =
+            (0..walls.len()).find(|&other| other != one && are_one(state, walls, one, other, gates))?;
         Some((one.min(other), one.max(other)))
     })?;
     let columns = [kept, gone].map(State::column_of);

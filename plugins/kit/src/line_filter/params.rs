@@ -171,7 +171,12 @@ impl SharedParams<'_> {
             expect(value >= 0.0 && value.is_finite(), key, &value, "a finite number, 0 or more");
         }
         let grazing = extraction.grazing_deg;
-        expect(grazing > 0.0 && grazing < 90.0, "extraction.grazing_deg", &grazing, "more than 0 and less than 90");
+        expect(
+            grazing > 0.0 && grazing < 90.0,
+            "extraction.grazing_deg",
+            &grazing,
+            "more than 0 and less than 90",
+        );
         expect(extraction.min_points >= 3, "extraction.min_points", &extraction.min_points, "3 or more");
         expect(self.lost_after_scans >= 1, "lost_after_scans", &self.lost_after_scans, "1 or more");
         let all = [
@@ -244,8 +249,8 @@ impl SharedParams<'_> {
 
     fn clock(&self) -> Clock {
         let late = Span::from_secs(self.late_s);
-        let periods_ns =
-            [self.periods.wheels_s, self.periods.steering_s, self.periods.laser_s].map(|s| Span::from_secs(s).0);
+        let periods_ns = [self.periods.wheels_s, self.periods.steering_s, self.periods.laser_s]
+            .map(|s| Span::from_secs(s).0);
         match Schedule::new(&periods_ns) {
             Ok(schedule) => Clock::scheduled(late, schedule, periods_ns),
             // No periods: every reading is taken in.

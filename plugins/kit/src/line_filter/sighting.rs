@@ -103,10 +103,7 @@ impl PredictedLine {
             (column + 1, wall[(0, 1)]),
         ];
         let normal = [(2, robot[(1, 2)]), (column + 1, wall[(1, 1)])];
-        [
-            Row::new(&distance, innovation[0], rho2).correlated(both),
-            Row::new(&normal, innovation[1], phi2),
-        ]
+        [Row::new(&distance, innovation[0], rho2).correlated(both), Row::new(&normal, innovation[1], phi2)]
     }
 }
 

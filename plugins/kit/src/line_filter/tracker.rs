@@ -9,7 +9,9 @@ use super::wheel_readings::{Odometer, of_axle};
 use crate::lines::{BeamFan, LineExtractor, LineSettings};
 use nalgebra::{Matrix3, Matrix5, Vector5};
 use rumbo_core::frames::{Pose2, flatten, pose2};
-use rumbo_core::messages::{Check, Data, Estimate, LaserScan, MessageFault, Observation, Prior, Seen, Status};
+use rumbo_core::messages::{
+    Check, Data, Estimate, LaserScan, MessageFault, Observation, Prior, Seen, Status,
+};
 use rumbo_core::odometry_track::OdometryTrack;
 use rumbo_core::robot::Drive;
 use rumbo_core::time::Time;
@@ -193,7 +195,9 @@ impl LineTracker {
         running.odometer.stamp = saved.odometry_stamp;
         if let Some(stamp) = saved.odometry_stamp {
             let odom_from_base = running.odometer.odom_from_base;
-            running.track.push(stamp, &rumbo_core::messages::Odometry { odom_from_base, ..Default::default() });
+            running
+                .track
+                .push(stamp, &rumbo_core::messages::Odometry { odom_from_base, ..Default::default() });
         }
         Ok(running)
     }
@@ -271,7 +275,11 @@ impl Running {
                 let mean = self.odometer.advance(stamp, odometry.odom_from_base, half_track_m);
                 if let Some(mean) = mean.filter(|_| !self.has_wheels) {
                     // A scan may have brought the state beyond the middle already.
-                    let at = self.clock.now().filter(|now| *now <= stamp).map_or(mean.middle, |now| now.max(mean.middle));
+                    let at = self
+                        .clock
+                        .now()
+                        .filter(|now| *now <= stamp)
+                        .map_or(mean.middle, |now| now.max(mean.middle));
                     if self.goes_to(Source::Wheels, at, settings)? {
                         self.turn_wheels(mean.wheels_m_s);
                     }
@@ -297,7 +305,12 @@ impl Running {
     }
 
     /// Predicts to a reading; whether it is to be taken in.
-    fn goes_to(&mut self, source: Source, stamp: Time, settings: &TrackerSettings) -> Result<bool, TrackFault> {
+    fn goes_to(
+        &mut self,
+        source: Source,
+        stamp: Time,
+        settings: &TrackerSettings,
+    ) -> Result<bool, TrackFault> {
         let gap_s = self.clock.now().map_or(0.0, |now| (stamp - now).as_secs());
         match self.clock.admit(source, stamp) {
             Instant::Ahead { .. } if gap_s > LONGEST_GAP_S => {
@@ -346,7 +359,8 @@ impl Running {
 
     fn estimate(&self, now: Time, lost_after_scans: u32) -> Estimate {
         let stamp = self.clock.now().unwrap_or(now).min(now);
-        let odom_from_base = self.track.stamp().map_or(self.odometer.odom_from_base, |_| self.track.at(stamp));
+        let odom_from_base =
+            self.track.stamp().map_or(self.odometer.odom_from_base, |_| self.track.at(stamp));
         let state = self.filter.state();
         let mut estimate = Estimate::planar(stamp, state.pose(), odom_from_base, state.pose_covariance());
         if self.filter.is_on_map() && self.scans_without_match >= lost_after_scans {

@@ -92,7 +92,8 @@ impl Update {
         let n_gained = if is_map_known { ROBOT } else { n_columns };
         let gain = self.gain(n_gained);
         let step = &gain * &self.innovation;
-        for (number, step) in state.robot.iter_mut().chain(state.walls.iter_mut().flatten()).zip(step.iter()) {
+        for (number, step) in state.robot.iter_mut().chain(state.walls.iter_mut().flatten()).zip(step.iter())
+        {
             *number += step;
         }
         state.wrap();

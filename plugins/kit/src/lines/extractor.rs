@@ -29,11 +29,7 @@ impl LineExtractor {
     }
 
     /// The lines of a scan in beam order.
-    pub fn extract(
-        &mut self,
-        fan: &BeamFan,
-        ranges_m: impl ExactSizeIterator<Item = f64>,
-    ) -> &[SensedLine] {
+    pub fn extract(&mut self, fan: &BeamFan, ranges_m: impl ExactSizeIterator<Item = f64>) -> &[SensedLine] {
         self.lines.clear();
         self.pieces.clear();
         self.points.place(fan, ranges_m, &self.settings);

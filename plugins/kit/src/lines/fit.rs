@@ -78,14 +78,16 @@ impl LineFit {
     /// Largest distance of a point from the line, meters.
     pub fn worst_m(&self, points: &Points, piece: Range<usize>) -> f64 {
         let [cos, sin] = self.normal;
-        let places = points.x.get(piece.clone()).into_iter().flatten().zip(points.y.get(piece).into_iter().flatten());
+        let places =
+            points.x.get(piece.clone()).into_iter().flatten().zip(points.y.get(piece).into_iter().flatten());
         places.map(|(x, y)| (x * cos + y * sin - self.distance_m).abs()).fold(0.0, f64::max)
     }
 
     /// Where the points begin and end along the line, from the foot of the normal, meters.
     pub fn extent_m(&self, points: &Points, piece: Range<usize>) -> [f64; 2] {
         let [cos, sin] = self.normal;
-        let places = points.x.get(piece.clone()).into_iter().flatten().zip(points.y.get(piece).into_iter().flatten());
+        let places =
+            points.x.get(piece.clone()).into_iter().flatten().zip(points.y.get(piece).into_iter().flatten());
         let along = places.map(|(x, y)| y * cos - x * sin);
         along.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], t| [least.min(t), most.max(t)])
     }

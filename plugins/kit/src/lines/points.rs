@@ -24,7 +24,8 @@ impl BeamFan {
         let n_circle = (TAU / self.bearing_step_rad.abs()).round();
         // A device that looks all around may look ahead twice: once at the begin and once at the end.
         let is_closed = n_beams as f64 == n_circle || n_beams as f64 == n_circle + 1.0;
-        let is_even = (n_circle * self.bearing_step_rad.abs() - TAU).abs() < 0.5 * self.bearing_step_rad.abs();
+        let is_even =
+            (n_circle * self.bearing_step_rad.abs() - TAU).abs() < 0.5 * self.bearing_step_rad.abs();
         (is_closed && is_even).then_some(n_circle as usize)
     }
 }

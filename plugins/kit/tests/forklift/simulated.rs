@@ -19,7 +19,12 @@ fn normal(rng: &mut Xoshiro256PlusPlus) -> f64 {
 }
 
 /// Ranges of beams from a place, each cast a little beside where it says that it looks.
-pub fn simulated_scan(pose: [f64; 3], fan: &BeamFan, n_beams: usize, rng: &mut Xoshiro256PlusPlus) -> Vec<f64> {
+pub fn simulated_scan(
+    pose: [f64; 3],
+    fan: &BeamFan,
+    n_beams: usize,
+    rng: &mut Xoshiro256PlusPlus,
+) -> Vec<f64> {
     let hall = hall();
     let [x, y, theta] = pose;
     let beam = |k: usize| {
@@ -42,8 +47,7 @@ pub fn simulated(seed: u64) -> Vec<Step> {
     };
     let mut extractor = LineExtractor::new(LineSettings::default());
     let step = |(k, [x, y, theta, v, omega]): (usize, [f64; 5])| {
-        let wheels =
-            [-1.0, 1.0].map(|side| v + side * HALF_TRACK_M * omega + WHEEL_M_S * normal(&mut rng));
+        let wheels = [-1.0, 1.0].map(|side| v + side * HALF_TRACK_M * omega + WHEEL_M_S * normal(&mut rng));
         // Curvature, also where the forklift stands: the experiment's wheel is steered before it moves.
         let t = 0.05 * k as f64;
         let curvature = 0.22 + 0.03 * (TAU * t / 17.0).sin();

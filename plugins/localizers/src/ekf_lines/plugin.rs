@@ -52,7 +52,8 @@ impl Localizer for EkfLines {
         }
         if walls.len() > MOST_WALLS {
             let found = walls.len();
-            let message = format!("the map has {found} walls, expected at most {MOST_WALLS}; leave out short ones");
+            let message =
+                format!("the map has {found} walls, expected at most {MOST_WALLS}; leave out short ones");
             return Err(LocalizeError::Other(message));
         }
         self.tracker.follow(prior, &walls).map_err(localize_error)

@@ -87,8 +87,7 @@ impl Default for EkfLineSlamParams {
 impl Params for EkfLineSlamParams {
     fn check(&self) -> Vec<BuildError> {
         let shared = self.shared().faults().into_iter();
-        let mut faults: Vec<BuildError> =
-            shared.map(|(key, message)| BuildError::at(key, message)).collect();
+        let mut faults: Vec<BuildError> = shared.map(|(key, message)| BuildError::at(key, message)).collect();
         for (key, value) in
             [("confirm_hits", self.confirm_hits), ("forget_after_scans", self.forget_after_scans)]
         {

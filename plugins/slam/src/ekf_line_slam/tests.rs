@@ -92,7 +92,7 @@ fn what_it_has_saved_is_a_start_and_nothing_else_is() {
     assert!(matches!(slam.save(), Err(SlamError::Other(_))), "there is nothing to save");
     slam.start(&at(start), &mut map).unwrap();
     let trace = Trace::unwatched();
-    let mut update = |slam: &mut Box<dyn Slam>, map: &mut Map, k: i32| {
+    let update = |slam: &mut Box<dyn Slam>, map: &mut Map, k: i32| {
         let seconds = 0.1 * f64::from(k);
         let mut cx = Cx { now: Time::from_secs(seconds), trace: &trace };
         slam.update(&mut cx, Seen::sorted(&seen(seconds, start)), map).unwrap()
@@ -104,7 +104,8 @@ fn what_it_has_saved_is_a_start_and_nothing_else_is() {
     let (mut other, mut other_map) = (built(&EkfLineSlamParams::default()), Map::default());
     other.start(&Prior::Saved(Buffer::from(saved.clone())), &mut other_map).unwrap();
     assert_eq!(other_map.lines, map.lines, "the map is there before the first reading");
-    let off = update(&mut slam, &mut map, 20).pose2().inverse() * update(&mut other, &mut other_map, 20).pose2();
+    let off =
+        update(&mut slam, &mut map, 20).pose2().inverse() * update(&mut other, &mut other_map, 20).pose2();
     assert!(off.translation.vector.norm() < 1e-12, "{off}");
     let mut damaged = saved;
     damaged[100] ^= 1;

@@ -137,7 +137,11 @@ fn updates_gates_and_new_walls_are_those_of_the_vectors() {
     let r = matrix(&new["R"]);
     let seen = SensedLine { covariance: [r[(0, 0)], r[(0, 1)], r[(1, 1)]], ..seen(z[0], z[1], [-1.0, 1.0]) };
     let (mut grown, mut walls) = (state.clone(), vec![Wall { ends_m: [[0.0; 2]; 2] }; 2]);
-    NewWall::new(&state, &Mount::default(), &seen).add(&mut grown, &mut walls, Wall { ends_m: [[0.0; 2]; 2] });
+    NewWall::new(&state, &Mount::default(), &seen).add(
+        &mut grown,
+        &mut walls,
+        Wall { ends_m: [[0.0; 2]; 2] },
+    );
     let covariance = whole(&grown);
     alike(&covariance.view((9, 9), (2, 2)).into_owned(), &matrix(&new["P_new_new"]), 1e-8, "new");
     alike(&covariance.view((9, 0), (2, 9)).into_owned(), &matrix(&new["P_new_old"]), 1e-8, "new with old");

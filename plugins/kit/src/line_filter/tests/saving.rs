@@ -10,7 +10,11 @@ fn grown() -> LineFilter {
     for k in 0..4 {
         filter.predict(0.1);
         filter.read_wheels([0.01, 0.012]);
-        let lines = [seen(5.0, 0.0, [-2.0, 2.0]), seen(4.0, 2.0, [-1.0, 1.5]), seen(6.0, -2.0 + f64::from(k), [0.0, 1.0])];
+        let lines = [
+            seen(5.0, 0.0, [-2.0, 2.0]),
+            seen(4.0, 2.0, [-1.0, 1.5]),
+            seen(6.0, -2.0 + f64::from(k), [0.0, 1.0]),
+        ];
         filter.read_lines(&lines, &Mount::default());
     }
     assert!(filter.walls().len() >= 2);

@@ -8,7 +8,8 @@ use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Pose2, Pose3, Twist, lift, pose2};
 use rumbo_core::map::Line;
 use rumbo_core::messages::{
-    Data, Estimate, LaserScan, Observation, Odometry, Prior, Seen, SensorId, Status, SteeringAngle, WheelSpeeds,
+    Data, Estimate, LaserScan, Observation, Odometry, Prior, Seen, SensorId, Status, SteeringAngle,
+    WheelSpeeds,
 };
 use rumbo_core::robot::Drive;
 use rumbo_core::time::{Span, Time};
@@ -29,7 +30,11 @@ fn settings() -> TrackerSettings {
 }
 
 fn at(pose: Pose2) -> Prior {
-    Prior::Pose { map_from_base: pose, odom_from_base: pose2(3.0, -1.0, 0.4), covariance: Matrix3::identity() * 1e-6 }
+    Prior::Pose {
+        map_from_base: pose,
+        odom_from_base: pose2(3.0, -1.0, 0.4),
+        covariance: Matrix3::identity() * 1e-6,
+    }
 }
 
 fn observation(seconds: f64, base_from_sensor: Pose3, data: Data) -> Observation {
@@ -37,7 +42,11 @@ fn observation(seconds: f64, base_from_sensor: Pose3, data: Data) -> Observation
 }
 
 fn odometry(seconds: f64, odom_from_base: Pose2) -> Observation {
-    observation(seconds, Pose3::identity(), Data::Odometry(Odometry { odom_from_base, ..Odometry::default() }))
+    observation(
+        seconds,
+        Pose3::identity(),
+        Data::Odometry(Odometry { odom_from_base, ..Odometry::default() }),
+    )
 }
 
 /// A room from (-4, -3) to (5, 3).
@@ -73,7 +82,12 @@ fn update(tracker: &mut LineTracker, seconds: f64, seen: &[Observation]) -> Resu
 const TWIST: Twist = Twist { forward_m_s: 0.6, left_m_s: 0.0, turn_rad_s: 0.2 };
 
 /// The room driven through for four seconds; `wheels` makes what they say from the time.
-fn drive(tracker: &mut LineTracker, start: Pose2, sensor: Pose2, wheels: impl Fn(f64) -> Vec<Observation>) -> f64 {
+fn drive(
+    tracker: &mut LineTracker,
+    start: Pose2,
+    sensor: Pose2,
+    wheels: impl Fn(f64) -> Vec<Observation>,
+) -> f64 {
     let mut worst_m: f64 = 0.0;
     for k in 0..80 {
         let seconds = 0.05 * f64::from(k);
@@ -101,7 +115,10 @@ fn a_map_is_built_and_followed_with_wheels_or_with_an_odometer_from_any_mount() 
         let wheels = Data::WheelSpeeds(WheelSpeeds { n_wheels: 3, rim_m_s });
         let angle_rad = (1.3f64 * 0.2 / 0.6).atan();
         let steering = Data::SteeringAngle(SteeringAngle { angle_rad });
-        vec![observation(seconds, Pose3::identity(), wheels), observation(seconds, Pose3::identity(), steering)]
+        vec![
+            observation(seconds, Pose3::identity(), wheels),
+            observation(seconds, Pose3::identity(), steering),
+        ]
     };
     let odometer = |seconds: f64| vec![odometry(seconds, odom_start * TWIST.integrate(seconds))];
     for sensor in [Pose2::identity(), pose2(0.5, -0.2, 2.0)] {

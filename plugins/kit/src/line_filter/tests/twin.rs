@@ -82,8 +82,11 @@ fn an_update_is_that_of_full_matrices_in_both_forms() {
             let moved = before + &k * &z;
             let off: Vec<f64> = stacked(&state).iter().zip(moved.iter()).map(|(a, b)| a - b).collect();
             let turns = off.iter().map(|off| off / std::f64::consts::TAU);
-            assert!(off.iter().zip(turns).all(|(off, turns)| off.abs() < 1e-12
-                || (turns - turns.round()).abs() < 1e-12));
+            assert!(
+                off.iter()
+                    .zip(turns)
+                    .all(|(off, turns)| off.abs() < 1e-12 || (turns - turns.round()).abs() < 1e-12)
+            );
         }
     }
 }

@@ -189,7 +189,8 @@ fn drawn_lines_scatter_as_the_covariance_says() {
             let drawn: Vec<[f64; 2]> = exact
                 .iter()
                 .map(|[bearing, range]| {
-                    let (b, r) = (bearing + bearing_rad * normal(&mut rng), range + range_m * normal(&mut rng));
+                    let (b, r) =
+                        (bearing + bearing_rad * normal(&mut rng), range + range_m * normal(&mut rng));
                     let (x, y) = (
                         r * b.cos() + surface_m * normal(&mut rng),
                         r * b.sin() + surface_m * normal(&mut rng),
@@ -205,14 +206,12 @@ fn drawn_lines_scatter_as_the_covariance_says() {
         let mean = sum / DRAWS as f64;
         let drawn = squares / DRAWS as f64 - mean * mean.transpose();
         let points = Points::of_polar(&exact);
-        let [rho2, both, phi2] = fit(&points, 0..points.len()).unwrap().covariance(
-            &points,
-            0..points.len(),
-            &noise,
-        );
+        let [rho2, both, phi2] =
+            fit(&points, 0..points.len()).unwrap().covariance(&points, 0..points.len(), &noise);
         close(rho2.sqrt() / drawn[(0, 0)].sqrt(), 1.0, 0.05, "deviation of rho");
         close(phi2.sqrt() / drawn[(1, 1)].sqrt(), 1.0, 0.05, "deviation of phi");
-        let correlations = [both / (rho2 * phi2).sqrt(), drawn[(0, 1)] / (drawn[(0, 0)] * drawn[(1, 1)]).sqrt()];
+        let correlations =
+            [both / (rho2 * phi2).sqrt(), drawn[(0, 1)] / (drawn[(0, 0)] * drawn[(1, 1)]).sqrt()];
         close(correlations[0], correlations[1], 0.05, "correlation");
     }
 }

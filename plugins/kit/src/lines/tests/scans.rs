@@ -39,7 +39,8 @@ fn lines_are_those_of_the_reference_extraction() {
     for (column, k) in [(2, 0.0), (3, 200.0), (4, 700.0)] {
         let expected: Vec<&Vec<f64>> = log.iter().filter(|row| row[0] == k).collect();
         let found = extracted(column);
-        let numbers: Vec<_> = found.iter().map(|l| (l.distance_m, l.normal_rad, l.n_points, l.ends_m)).collect();
+        let numbers: Vec<_> =
+            found.iter().map(|l| (l.distance_m, l.normal_rad, l.n_points, l.ends_m)).collect();
         assert_eq!(found.len(), expected.len(), "{k}: {numbers:#?}");
         for (line, row) in found.iter().zip(expected) {
             // The table's ranges are rounded to 0.1 mm.

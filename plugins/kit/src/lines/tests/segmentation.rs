@@ -30,7 +30,8 @@ fn a_closed_room_has_its_four_walls_wherever_the_circle_begins() {
             let found = lines(&fan, &ranges);
             assert_eq!(found.len(), 4, "{first_deg}: {found:?}");
             for line in &found {
-                let wall = [4.0, 3.0, 5.0, 2.0].into_iter().any(|wall_m| (line.distance_m - wall_m).abs() < 1e-9);
+                let wall =
+                    [4.0, 3.0, 5.0, 2.0].into_iter().any(|wall_m| (line.distance_m - wall_m).abs() < 1e-9);
                 assert!(wall, "{line:?}");
                 assert!(line.n_points > 80, "a wall is not cut where the circle begins: {line:?}");
             }
@@ -50,7 +51,10 @@ fn a_clockwise_scan_has_the_same_lines() {
     assert_eq!(forward.len(), reversed.len());
     for (one, other) in forward.iter().zip(&reversed) {
         assert!((one.distance_m - other.distance_m).abs() < 1e-9 && one.n_points == other.n_points);
-        assert!((one.ends_m[0][0] - other.ends_m[0][0]).abs() < 1e-9, "ends stay right and left: {one:?} {other:?}");
+        assert!(
+            (one.ends_m[0][0] - other.ends_m[0][0]).abs() < 1e-9,
+            "ends stay right and left: {one:?} {other:?}"
+        );
     }
 }
 
