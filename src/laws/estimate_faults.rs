@@ -15,6 +15,7 @@ pub const NOTHING_NEW: Law = Law::new("it survives an update with nothing new", 
 pub const NOT_STARTED: Law =
     Law::new("an update before the start gives an error or an estimate", not_started);
 pub const BAD_PRIOR: Law = Law::new("a start from numbers that are not finite is refused", bad_prior);
+pub const BAD_SAVED: Law = Law::new("a saved state that is cut off or changed is refused", bad_saved);
 pub const ODD_READINGS: Law =
     Law::new("it survives empty, impossible and huge readings, and goes on", odd_readings);
 pub const EMPTY_MAP: Law = Law::new("an empty map is named where the map is needed", empty_map);
@@ -61,6 +62,30 @@ fn bad_prior(subject: &Subject) -> Verdict {
         expect(started.is_err(), || format!("{what}: it starts"), "an error")?;
     }
     Ok(String::new())
+}
+
+fn bad_saved(subject: &Subject) -> Verdict {
+    let drive = Drive::seen_from(Turn::None)?;
+    let mut first = Tracker::new(subject, &drive)?;
+    let Some(start) = drive.frames.first() else { return Ok(String::new()) };
+    first.start_at(start)?;
+    for frame in drive.frames.iter().take(20) {
+        first.follow(frame)?;
+    }
+    let Some(saved) = first.save() else {
+        return Err(Trouble::not_applicable("it cannot save its state"));
+    };
+    let half = saved.len() / 2;
+    let mut flipped = saved.clone();
+    if let Some(byte) = flipped.get_mut(half) {
+        *byte ^= 1;
+    }
+    let cut = saved.get(..half).unwrap_or_default().to_vec();
+    for (what, bytes) in [("nothing", Vec::new()), ("half of it", cut), ("one bit changed", flipped)] {
+        let started = Tracker::new(subject, &drive)?.start(&Prior::Saved(Buffer::from(bytes)));
+        expect(started.is_err(), || format!("{what}: it starts"), "an error that says what is wrong")?;
+    }
+    Ok(format!("{} bytes", saved.len()))
 }
 
 /// Readings that no sensor should give, and some do.

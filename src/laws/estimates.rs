@@ -48,6 +48,7 @@ pub const SLAM_LAWS: &[Law] = &[
     SYMMETRIC,
     Law::new("it gives the layers that it declares", gives_its_layers),
     Law::new("it goes on from what it saved", goes_on).within("1e-9 m and rad"),
+    faults::BAD_SAVED,
     faults::NOTHING_NEW,
     faults::NOT_STARTED,
     faults::BAD_PRIOR,

@@ -2,11 +2,14 @@
 
 use super::law::Trouble;
 use super::turn::Turn;
+use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Pose2, pose2};
-use rumbo_core::map::{Cell, CellClass, Grid, Map};
+use rumbo_core::map::{Cell, CellClass, Grid, Line, Lines, Map};
 use rumbo_core::messages::Goal;
 use rumbo_kit::GridSize;
+use rumbo_kit::map_file::{MapImage, UNKNOWN};
 use rumbo_kit::ray::{Ray, RayGrid};
+use rumbo_maps::static_map::wall_lines;
 
 /// Two rooms with a door of 1.5 m beside the straight way: any sensible clearance leaves a way.
 pub const ROOMS: &str = "
@@ -69,6 +72,9 @@ pub const OPEN: &str = "
     #........................#
     #........................#
     ##########################";
+
+/// Shorter pieces of wall are no lines of the map, meters.
+const SHORTEST_LINE_M: f64 = 0.3;
 
 /// A drawn world: `#` occupied, `?` unknown, `S` start, `G` goal, anything else free.
 #[derive(Debug, Clone)]
@@ -183,9 +189,26 @@ impl TextWorld {
         f64::from(self.grid.height()) * self.grid.resolution_m()
     }
 
-    /// Its map.
+    /// Its map: the grid, and the lines of its walls.
     pub fn map(&self) -> Map {
-        Map { grid: Some(self.grid.clone()), version: 1, ..Map::default() }
+        let lines = Lines { lines: Buffer::from(self.lines()) };
+        Map { grid: Some(self.grid.clone()), lines: Some(lines), version: 1, ..Map::default() }
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let percent = |log_odds: &f32| match self.grid.class_of(*log_odds) {
+            CellClass::Occupied => 100,
+            CellClass::Free => 0,
+            CellClass::Unknown => UNKNOWN,
+        };
+        let image = MapImage {
+            width: self.grid.width() as usize,
+            height: self.grid.height() as usize,
+            resolution_m: self.grid.resolution_m(),
+            origin: self.grid.header().origin,
+            cells: self.grid.cells.iter().map(percent).collect(),
+        };
+        wall_lines(&image, SHORTEST_LINE_M)
     }
 
     /// From a place along a heading to the first wall, meters; infinite where there is none within reach.

@@ -2,7 +2,7 @@
 
 use crate::boundary::Buffer;
 
-/// A straight piece of wall.
+/// A straight piece of wall. Who goes from its one end to the other has the free side on the right and the wall on the left.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Line {
@@ -10,7 +10,8 @@ pub struct Line {
     pub from: [f64; 2],
     /// The other end.
     pub to: [f64; 2],
-    /// Covariance of the normal form: distance (m²), distance and angle (m·rad), angle (rad²).
+    /// Covariance of the normal form, with the normal into the wall: distance along it (m², the distance may be negative),
+    /// distance and angle (m·rad), angle (rad²).
     pub covariance: [f64; 3],
 }
 

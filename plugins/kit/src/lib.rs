@@ -14,6 +14,8 @@ mod grid_size;
 pub mod landmark_model;
 pub mod landmarks;
 pub mod likelihood_field;
+pub mod line_filter;
+pub mod lines;
 pub mod log_file;
 pub mod map_comparison;
 pub mod map_file;

@@ -1,1 +1,4 @@
 //! Simultaneous localization and mapping for Rumbo.
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
+
+pub mod ekf_line_slam;

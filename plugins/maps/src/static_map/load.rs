@@ -5,7 +5,7 @@ use std::path::Path;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::map::{Grid, GridFault, GridHeader, Line};
 use rumbo_kit::map_file::{MapImage, UNKNOWN, load_map};
-use rumbo_kit::world_file::{WorldScene, draw_mapped, load_world, mapped_outlines, raster_map};
+use rumbo_kit::world_file::{Wall, WorldScene, draw_mapped, load_world, mapped_outlines, raster_map};
 
 use super::{StaticMapParams, wall_lines};
 
@@ -81,9 +81,14 @@ pub fn grid_of(image: &MapImage) -> Result<Grid, GridFault> {
     Grid::new(header, cells)
 }
 
+/// Sides of boxes, and both faces of walls: each has its free side on the right.
 fn exact_lines(scene: &WorldScene, min_line_m: f64) -> impl Iterator<Item = Line> {
     let long = move |[from, to]: &[[f64; 2]; 2]| (to[0] - from[0]).hypot(to[1] - from[1]) >= min_line_m;
-    mapped_outlines(scene).into_iter().filter(long).map(|[from, to]| Line {
+    let faces = |wall: &Wall| [[wall.from, wall.to], [wall.to, wall.from]];
+    let walls = scene.walls.iter().filter(|wall| wall.mapped).flat_map(faces);
+    let without_walls = WorldScene { walls: Vec::new(), ..scene.clone() };
+    let lines: Vec<[[f64; 2]; 2]> = walls.chain(mapped_outlines(&without_walls)).collect();
+    lines.into_iter().filter(long).map(|[from, to]| Line {
         from,
         to,
         covariance: [EXACT_LINE_VARIANCE, 0.0, EXACT_LINE_VARIANCE],

@@ -186,11 +186,13 @@ fn fit(points: &[Point], ends: [Point; 2], resolution_m: f64, map_from_grid: &Po
     let foot = |end: Point| map_from_grid * ((center + along * (end - center).dot(&along)) * resolution_m);
     let [from, to] = ends.map(foot);
     // Slope and offset of a regression line with equally spaced points, moved from the middle to the map's origin.
-    let length_m = (to - from).norm();
+    let way = to - from;
+    let length_m = way.norm();
     let variance = CELL_VARIANCE * resolution_m * resolution_m / n;
     let angle_variance = 12.0 * variance / (length_m * length_m).max(1e-12);
+    // The normal points to the left, into the wall; when it turns, the middle moves along it by this much.
     let middle = nalgebra::center(&from, &to);
-    let sideways_m = middle.coords.dot(&(map_from_grid.rotation * along));
+    let sideways_m = -middle.coords.dot(&way) / length_m.max(1e-12);
     let covariance =
         [variance + sideways_m * sideways_m * angle_variance, sideways_m * angle_variance, angle_variance];
     Line { from: from.into(), to: to.into(), covariance }
@@ -263,6 +265,22 @@ mod tests {
         map.origin = [1.0, 2.0, std::f64::consts::FRAC_PI_2];
         // The upper face, y = 0.2 of the grid, is x = 1 - 0.2 of the map.
         assert_eq!(sorted(&wall_lines(&map, 0.3)), [[80, 280, 80, 200]]);
+    }
+
+    #[test]
+    fn the_covariance_is_that_of_a_wall_that_turns_about_its_middle() {
+        // Two faces of one wall, far from the origin: normals up and down.
+        let mut map = picture(&["........", "########", "########", "........"]);
+        map.origin = [10.0, 20.0, 0.0];
+        let lines = wall_lines(&map, 0.3);
+        assert_eq!(lines.len(), 2);
+        for Line { from, to, covariance: [distance2, both, angle2] } in lines {
+            // x of the middle is 10.4. A normal (0, s) that turns by a little angle becomes (-s angle, s), and the distance of
+            // the middle along it changes by -s 10.4 angle. The wall lies to the left of the way.
+            let s = if to[0] > from[0] { 1.0 } else { -1.0 };
+            assert!((both - -s * 10.4 * angle2).abs() < 1e-9, "{from:?} {to:?} {both}");
+            assert!((distance2 - 10.4 * 10.4 * angle2 - CELL_VARIANCE * 0.01 / 8.0).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -1,0 +1,294 @@
+//! The filter: predictions, readings, and the map that grows from them.
+
+use super::FilterSettings;
+use super::association::{Match, associate, rows_of};
+use super::consistency::Consistency;
+use super::growth::NewWall;
+use super::merging::merge_one;
+use super::sighting::{Mount, Viewpoint};
+use super::state::State;
+use super::tentative::Tentative;
+use super::update::{NotPositiveDefinite, Update};
+use super::wall::{Axes, Wall, from_layer, to_layer};
+use crate::lines::SensedLine;
+use nalgebra::{Matrix5, Vector5};
+use rumbo_core::map::Line;
+
+/// Where the map comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MapUse {
+    /// The filter builds it.
+    Build,
+    /// It is given and does not change.
+    Known,
+}
+
+/// What became of a reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Reading {
+    /// Taken in; its squared Mahalanobis distance.
+    Fused(f64),
+    /// A wheel slips: left out.
+    Slipping(f64),
+    /// The robot is too slow for it to say anything: left out.
+    TooSlow,
+    /// Its covariance is none, or a number is not finite: left out.
+    Refused,
+}
+
+/// What became of a scan.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ScanReport {
+    /// Lines that are walls of the map.
+    pub matches: Vec<Match>,
+    /// New walls.
+    pub n_added: usize,
+    /// Walls that became one with another.
+    pub n_merged: usize,
+    /// The measurement of all lines together was refused: nothing was changed.
+    pub is_refused: bool,
+}
+
+/// A map that is given.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct WallMap {
+    lines: Vec<Line>,
+}
+
+impl WallMap {
+    /// Walls of the map layer; each is to the left of the way from its first end to its second. Lines without a length and
+    /// those that are not finite are left out.
+    pub fn new(lines: &[Line]) -> WallMap {
+        WallMap { lines: lines.iter().filter(|line| from_layer(line).is_some()).copied().collect() }
+    }
+
+    /// Walls.
+    pub fn len(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// There is none.
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_empty()
+    }
+}
+
+/// The filter.
+#[derive(Debug, Clone)]
+pub struct LineFilter {
+    pub(super) settings: FilterSettings,
+    pub(super) map_use: MapUse,
+    pub(super) state: State,
+    pub(super) walls: Vec<Wall>,
+    pub(super) tentative: Tentative,
+    pub(super) n_scans: u64,
+    consistency: [Consistency; 3],
+    /// Since when the wheels have disagreed without a break, seconds; none while they agree.
+    slipping_s: Option<f64>,
+}
+
+impl LineFilter {
+    /// A filter that builds its map, from a robot that is known so well.
+    pub fn building(settings: FilterSettings, robot: Vector5<f64>, covariance: &Matrix5<f64>) -> LineFilter {
+        LineFilter {
+            settings,
+            map_use: MapUse::Build,
+            state: State::new(robot, covariance),
+            walls: Vec::new(),
+            tentative: Tentative::default(),
+            n_scans: 0,
+            consistency: Default::default(),
+            slipping_s: None,
+        }
+    }
+
+    /// A filter on a map that is known. Its errors (the covariance of its lines) stay what they are: they are considered,
+    /// not corrected.
+    pub fn on_map(
+        settings: FilterSettings,
+        robot: Vector5<f64>,
+        covariance: &Matrix5<f64>,
+        map: &WallMap,
+    ) -> LineFilter {
+        let mut filter = LineFilter::building(settings, robot, covariance);
+        filter.map_use = MapUse::Known;
+        for (line, wall, covariance) in map.lines.iter().filter_map(from_layer) {
+            filter.state.add_known(line, &covariance);
+            filter.walls.push(wall);
+        }
+        filter
+    }
+
+    /// Robot and walls.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Ends of the walls, in the order of the state.
+    pub fn walls(&self) -> &[Wall] {
+        &self.walls
+    }
+
+    /// The walls as a layer of the map.
+    pub fn layer(&self) -> Vec<Line> {
+        to_layer(&self.state, &self.walls)
+    }
+
+    /// Its map is given.
+    pub fn is_on_map(&self) -> bool {
+        self.map_use == MapUse::Known
+    }
+
+    /// Nothing is known any more of the speed and the turn but these deviations, m/s and rad/s.
+    pub fn forget_motion(&mut self, deviations: [f64; 2]) {
+        self.state.forget_motion(deviations);
+        self.slipping_s = None;
+    }
+
+    /// What it is set to.
+    pub fn settings(&self) -> &FilterSettings {
+        &self.settings
+    }
+
+    /// Normalized innovations of wheels, steering and lines.
+    pub fn consistency(&self) -> &[Consistency; 3] {
+        &self.consistency
+    }
+
+    /// Goes on by so many seconds.
+    pub fn predict(&mut self, seconds: f64) {
+        self.settings.motion.predict(&mut self.state, seconds);
+        self.slipping_s = self.slipping_s.map(|since_s| since_s + seconds);
+    }
+
+    /// Takes in the speeds of the left and the right wheel, m/s.
+    pub fn read_wheels(&mut self, speeds_m_s: [f64; 2]) -> Reading {
+        let wheels = self.settings.wheels;
+        let rows = wheels.rows(&self.state.robot, speeds_m_s);
+        let Ok(mut update) = Update::new(&self.state, &rows) else { return Reading::Refused };
+        let distance2 = update.distance2();
+        if distance2.is_nan() || distance2 > wheels.slip_gate {
+            if *self.slipping_s.get_or_insert(0.0) <= wheels.longest_slip_s || !distance2.is_finite() {
+                return Reading::Slipping(distance2);
+            }
+            wheels.doubt_motion(&mut self.state, &rows);
+            let Ok(again) = Update::new(&self.state, &rows) else { return Reading::Refused };
+            update = again;
+        }
+        self.slipping_s = None;
+        update.fuse(&mut self.state, &rows, self.map_use == MapUse::Known);
+        self.consistency[0].push(distance2, 2);
+        Reading::Fused(distance2)
+    }
+
+    /// Takes in the angle of the steered wheel, radians.
+    pub fn read_steering(&mut self, angle_rad: f64) -> Reading {
+        let Some(row) = self.settings.steering.row(&self.state.robot, angle_rad) else {
+            return Reading::TooSlow;
+        };
+        let Ok(update) = Update::new(&self.state, &[row]) else { return Reading::Refused };
+        let distance2 = update.distance2();
+        update.fuse(&mut self.state, &[row], self.map_use == MapUse::Known);
+        self.consistency[1].push(distance2, 1);
+        Reading::Fused(distance2)
+    }
+
+    /// Takes in the lines of one scan.
+    pub fn read_lines(&mut self, seen: &[SensedLine], mount: &Mount) -> ScanReport {
+        let view = Viewpoint::new(&self.state.robot, mount);
+        let matches = associate(&self.state, &self.walls, &view, seen, &self.settings.gates);
+        let mut report = ScanReport::default();
+        if !matches.is_empty() {
+            if self.fuse(&view, seen, &matches).is_err() {
+                return ScanReport { is_refused: true, ..report };
+            }
+            matches.iter().for_each(|found| self.consistency[2].push(found.distance2, 2));
+        }
+        if self.map_use == MapUse::Build {
+            self.grow(seen, mount, &matches, &mut report);
+            self.n_scans += 1;
+        }
+        report.matches = matches;
+        report
+    }
+
+    /// One stacked update of all matches.
+    fn fuse(
+        &mut self,
+        view: &Viewpoint,
+        seen: &[SensedLine],
+        matches: &[Match],
+    ) -> Result<(), NotPositiveDefinite> {
+        let rows = rows_of(&self.state, view, seen, matches);
+        let update = Update::new(&self.state, &rows)?;
+        update.fuse(&mut self.state, &rows, self.map_use == MapUse::Known);
+        Ok(())
+    }
+
+    /// Extends the walls that were seen, and adds new ones.
+    fn grow(&mut self, seen: &[SensedLine], mount: &Mount, matches: &[Match], report: &mut ScanReport) {
+        let view = Viewpoint::new(&self.state.robot, mount);
+        for (wall, line) in self.walls.iter_mut().zip(&self.state.walls) {
+            wall.follow(&Axes::new(*line));
+        }
+        let in_map = |line: &SensedLine| line.ends_m.map(|end| view.in_map(end));
+        for found in matches {
+            let line = self.state.walls.get(found.wall).copied();
+            if let (Some(wall), Some(line), Some(seen)) =
+                (self.walls.get_mut(found.wall), line, seen.get(found.seen))
+            {
+                wall.extend(&Axes::new(line), &in_map(seen));
+            }
+        }
+        let mut touched: Vec<usize> = matches.iter().map(|found| found.wall).collect();
+        let is_matched = |idx: usize| matches.iter().any(|found| found.seen == idx);
+        for (_, line) in seen.iter().enumerate().filter(|(idx, _)| !is_matched(*idx)) {
+            touched.extend(self.consider(line, in_map(line), mount, report));
+        }
+        self.tentative.age(self.n_scans, &self.settings.growth);
+        if self.settings.growth.merge {
+            self.merge(touched, report);
+        }
+    }
+
+    /// A line that is no wall of the map yet. Returns the wall that it became or turned out to be.
+    fn consider(
+        &mut self,
+        seen: &SensedLine,
+        ends_m: [[f64; 2]; 2],
+        mount: &Mount,
+        report: &mut ScanReport,
+    ) -> Option<usize> {
+        let Self { settings: FilterSettings { growth, gates, .. }, state, walls, tentative, .. } = self;
+        let new = NewWall::new(state, mount, seen);
+        if !new.line.iter().chain(ends_m.iter().flatten()).all(|v| v.is_finite()) {
+            return None;
+        }
+        let [[x, y], [other_x, other_y]] = seen.ends_m;
+        let is_long = (x - other_x).hypot(y - other_y) >= growth.bootstrap_length_m;
+        let piece = if growth.bootstrap && self.n_scans == 0 && is_long {
+            Wall { ends_m }
+        } else {
+            let piece = tentative.see(new.line, ends_m, self.n_scans, growth)?;
+            if let Some(known) = new.known_as(state, walls, &piece, gates) {
+                let axes = Axes::new(*state.walls.get(known)?);
+                walls.get_mut(known)?.extend(&axes, &piece.ends_m);
+                return Some(known);
+            }
+            piece
+        };
+        new.add(state, walls, piece);
+        report.n_added += 1;
+        Some(walls.len() - 1)
+    }
+
+    fn merge(&mut self, mut touched: Vec<usize>, report: &mut ScanReport) {
+        let Self { settings, state, walls, .. } = self;
+        while let Some(gone) = merge_one(state, walls, &touched, &settings.gates) {
+            report.n_merged += 1;
+            let moved = walls.len();
+            touched.retain(|wall| *wall != gone);
+            touched.iter_mut().filter(|wall| **wall == moved).for_each(|wall| *wall = gone);
+        }
+    }
+}

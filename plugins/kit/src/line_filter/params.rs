@@ -1,0 +1,260 @@
+//! Keys that the plugins with this filter share.
+
+use super::clock::Clock;
+use super::schedule::Schedule;
+use super::steering::SteeringModel;
+use super::tracker::TrackerSettings;
+use super::{FilterSettings, Gates, Growth, MotionModel, Steering, Wheels};
+use crate::lines::{LineSettings, PointNoise};
+use rumbo_core::robot::{Drive, Robot};
+use rumbo_core::time::Span;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// When readings of a scan are a line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct ExtractionParams {
+    /// A reading farther than this from the chord splits a piece, meters; about 3.3 deviations of a range.
+    pub split_m: f64,
+    /// Pieces with fewer readings are no lines.
+    pub min_points: usize,
+    /// Shorter pieces are no lines, meters.
+    pub min_length_m: f64,
+    /// Pieces whose readings scatter more than this about their line are none, meters; about 1.5 deviations of a range.
+    pub max_rms_m: f64,
+    /// Neighbors whose readings scatter less than this about one line are one, meters; about 0.9 deviations of a range.
+    pub merge_rms_m: f64,
+    /// Steepest incidence at which neighboring readings are still of one wall, degrees (lambda).
+    pub grazing_deg: f64,
+}
+
+impl Default for ExtractionParams {
+    fn default() -> Self {
+        let lines = LineSettings::default();
+        ExtractionParams {
+            split_m: lines.split_m,
+            min_points: lines.min_points,
+            min_length_m: lines.min_length_m,
+            max_rms_m: lines.max_rms_m,
+            merge_rms_m: lines.merge_rms_m,
+            grazing_deg: 10.0,
+        }
+    }
+}
+
+/// How unsure the sensors are: standard deviations.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct SensorNoiseParams {
+    /// Of the speed of each wheel, m/s (sigma_1, sigma_2).
+    pub wheel_speed_m_s: f64,
+    /// Of the angle of the steered wheel, degrees (sigma_beta).
+    pub steering_deg: f64,
+    /// Of a range, meters (sigma_r).
+    pub range_m: f64,
+    /// Of a bearing, degrees (sigma_alpha).
+    pub bearing_deg: f64,
+    /// Of a wall's surface, meters (sigma_xy).
+    pub surface_m: f64,
+    /// No line's distance is surer than this, meters.
+    pub least_distance_m: f64,
+    /// No line's normal is surer than this, degrees.
+    pub least_normal_deg: f64,
+}
+
+impl Default for SensorNoiseParams {
+    fn default() -> Self {
+        SensorNoiseParams {
+            wheel_speed_m_s: 0.02,
+            steering_deg: 0.5,
+            range_m: 0.03,
+            bearing_deg: 0.1,
+            surface_m: 0.005,
+            least_distance_m: 0.005,
+            least_normal_deg: 0.1,
+        }
+    }
+}
+
+/// Periods that readings are thinned to; then predictions are steps of their greatest common divisor (from reading to
+/// reading where that is below 1 ms). All 0 takes every reading at its stamp.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct PeriodParams {
+    /// Of the wheels, seconds.
+    pub wheels_s: f64,
+    /// Of the steered wheel, seconds.
+    pub steering_s: f64,
+    /// Of the lasers, seconds.
+    pub laser_s: f64,
+}
+
+/// Which end of a tricycle is steered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SteeredWheel {
+    /// In front of the axle.
+    #[default]
+    Front,
+    /// Behind the axle, as on a forklift.
+    Rear,
+}
+
+/// What both plugins have, from their own keys.
+#[derive(Debug, Clone)]
+pub struct SharedParams<'a> {
+    /// How the robot may move.
+    pub motion: MotionModel,
+    /// How lines are found.
+    pub extraction: &'a ExtractionParams,
+    /// How unsure the sensors are.
+    pub noise: &'a SensorNoiseParams,
+    /// When readings are taken in.
+    pub periods: &'a PeriodParams,
+    /// What the steering angle has to do with the motion.
+    pub steering_model: SteeringModel,
+    /// Which end is steered.
+    pub steered: SteeredWheel,
+    /// Below this speed the steering angle says nothing, m/s.
+    pub steering_min_speed_m_s: f64,
+    /// Squared distance from which on a wheel slips.
+    pub slip_gate: f64,
+    /// Squared distance of the farthest line that is a wall.
+    pub gate: f64,
+    /// Largest gap along a wall, meters.
+    pub max_gap_m: f64,
+    /// Oldest reading that is taken in, seconds before the state.
+    pub late_s: f64,
+    /// Scans without a wall until the robot is lost.
+    pub lost_after_scans: u32,
+}
+
+/// A key and what is wrong with it.
+pub type KeyFault = (String, String);
+
+impl SharedParams<'_> {
+    /// All faults.
+    pub fn faults(&self) -> Vec<KeyFault> {
+        let mut faults = Vec::new();
+        let mut expect = |fine: bool, key: &str, value: &dyn std::fmt::Display, expected: &str| {
+            if !fine {
+                faults.push((key.to_owned(), format!("is {value}, expected {expected}")));
+            }
+        };
+        let (extraction, noise, periods) = (self.extraction, self.noise, self.periods);
+        for (key, value) in [
+            ("sigma_linear_acceleration", self.motion.acceleration_m_s2),
+            ("sigma_angular_acceleration", self.motion.turn_acceleration_rad_s2),
+            ("gate", self.gate),
+            ("slip_gate", self.slip_gate),
+            ("extraction.split_m", extraction.split_m),
+            ("extraction.max_rms_m", extraction.max_rms_m),
+            ("extraction.merge_rms_m", extraction.merge_rms_m),
+            ("noise.wheel_speed_m_s", noise.wheel_speed_m_s),
+            ("noise.steering_deg", noise.steering_deg),
+            ("noise.range_m", noise.range_m),
+            ("noise.least_distance_m", noise.least_distance_m),
+            ("noise.least_normal_deg", noise.least_normal_deg),
+        ] {
+            expect(value > 0.0 && value.is_finite(), key, &value, "a finite number above 0");
+        }
+        for (key, value) in [
+            ("sigma_lateral", self.motion.lateral_m),
+            ("max_gap_m", self.max_gap_m),
+            ("steering_min_speed_m_s", self.steering_min_speed_m_s),
+            ("late_s", self.late_s),
+            ("extraction.min_length_m", extraction.min_length_m),
+            ("noise.bearing_deg", noise.bearing_deg),
+            ("noise.surface_m", noise.surface_m),
+        ] {
+            expect(value >= 0.0 && value.is_finite(), key, &value, "a finite number, 0 or more");
+        }
+        let grazing = extraction.grazing_deg;
+        expect(
+            grazing > 0.0 && grazing < 90.0,
+            "extraction.grazing_deg",
+            &grazing,
+            "more than 0 and less than 90",
+        );
+        expect(extraction.min_points >= 3, "extraction.min_points", &extraction.min_points, "3 or more");
+        expect(self.lost_after_scans >= 1, "lost_after_scans", &self.lost_after_scans, "1 or more");
+        let all = [
+            ("periods.wheels_s", periods.wheels_s),
+            ("periods.steering_s", periods.steering_s),
+            ("periods.laser_s", periods.laser_s),
+        ];
+        let is_on = all.iter().any(|(_, value)| *value != 0.0);
+        for (key, value) in all.into_iter().filter(|_| is_on) {
+            let is_period = (1e-3..=3600.0).contains(&value);
+            expect(is_period, key, &value, "0.001 to 3600 seconds for all three, or 0 for all");
+        }
+        faults
+    }
+
+    /// What the tracker needs for this robot; `growth` where it builds its map.
+    pub fn tracker_settings(&self, robot: &Robot, growth: Growth) -> TrackerSettings {
+        let (wheelbase_m, track_m) = match robot.drive {
+            Drive::Tricycle { wheelbase_m, track_m, .. } => (wheelbase_m, track_m),
+            Drive::Differential { track_m } => (0.0, track_m),
+            // The manifest leaves other drives out.
+            _ => (0.0, robot.radius_m),
+        };
+        let noise = self.noise;
+        let filter = FilterSettings {
+            motion: self.motion,
+            wheels: Wheels {
+                half_track_m: track_m / 2.0,
+                speed_m_s: noise.wheel_speed_m_s,
+                slip_gate: self.slip_gate,
+                ..Wheels::default()
+            },
+            steering: Steering {
+                model: self.steering_model,
+                behind_m: if self.steered == SteeredWheel::Rear { wheelbase_m } else { -wheelbase_m },
+                angle_rad: noise.steering_deg.to_radians(),
+                min_speed_m_s: self.steering_min_speed_m_s,
+            },
+            gates: Gates { distance2: self.gate, gap_m: self.max_gap_m, ..Gates::default() },
+            growth: Growth { gap_m: self.max_gap_m, ..growth },
+        };
+        TrackerSettings {
+            filter,
+            lines: self.lines(),
+            drive: robot.drive,
+            start_motion: [robot.max_speed_m_s, robot.max_turn_rad_s()],
+            clock: self.clock(),
+            lost_after_scans: self.lost_after_scans,
+        }
+    }
+
+    fn lines(&self) -> LineSettings {
+        let (extraction, noise) = (self.extraction, self.noise);
+        LineSettings {
+            grazing_rad: extraction.grazing_deg.to_radians(),
+            split_m: extraction.split_m,
+            min_points: extraction.min_points,
+            min_length_m: extraction.min_length_m,
+            max_rms_m: extraction.max_rms_m,
+            merge_rms_m: extraction.merge_rms_m,
+            noise: PointNoise {
+                range_m: noise.range_m,
+                bearing_rad: noise.bearing_deg.to_radians(),
+                surface_m: noise.surface_m,
+            },
+            floor_distance_m: noise.least_distance_m,
+            floor_normal_rad: noise.least_normal_deg.to_radians(),
+        }
+    }
+
+    fn clock(&self) -> Clock {
+        let late = Span::from_secs(self.late_s);
+        let periods_ns = [self.periods.wheels_s, self.periods.steering_s, self.periods.laser_s]
+            .map(|s| Span::from_secs(s).0);
+        match Schedule::new(&periods_ns) {
+            Ok(schedule) => Clock::scheduled(late, schedule, periods_ns),
+            // No periods: every reading is taken in.
+            Err(_) => Clock::new(late),
+        }
+    }
+}

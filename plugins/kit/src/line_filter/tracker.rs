@@ -1,0 +1,371 @@
+//! The filter on what sensors really say: stamps that jitter, scans that come late, odometers in place of wheels.
+
+use super::FilterSettings;
+use super::clock::{Clock, Instant, Source};
+use super::filter::{LineFilter, Reading, WallMap};
+use super::saved::{SavedFault, SavedFilter};
+use super::sighting::Mount;
+use super::wheel_readings::{Odometer, of_axle};
+use crate::lines::{BeamFan, LineExtractor, LineSettings};
+use nalgebra::{Matrix3, Matrix5, Vector5};
+use rumbo_core::frames::{Pose2, flatten, pose2};
+use rumbo_core::messages::{
+    Check, Data, Estimate, LaserScan, MessageFault, Observation, Prior, Seen, Status,
+};
+use rumbo_core::odometry_track::OdometryTrack;
+use rumbo_core::robot::Drive;
+use rumbo_core::time::Time;
+
+/// All that a tracker needs to know.
+#[derive(Debug, Clone)]
+pub struct TrackerSettings {
+    /// The filter.
+    pub filter: FilterSettings,
+    /// How lines are found in scans.
+    pub lines: LineSettings,
+    /// Which of the robot's wheels are the axle's.
+    pub drive: Drive,
+    /// Standard deviations of the speed (m/s) and the turn (rad/s) at the start, when the robot may be moving.
+    pub start_motion: [f64; 2],
+    /// When which reading is taken in.
+    pub clock: Clock,
+    /// So many scans in a row of which no line is a wall of the known map, and the robot is lost.
+    pub lost_after_scans: u32,
+}
+
+/// What was left out, since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct LeftOut {
+    /// Readings of wheels that slipped.
+    pub slipping: u64,
+    /// Readings that came too late.
+    pub late: u64,
+    /// Readings whose sensor was not due.
+    pub not_due: u64,
+    /// Readings whose numbers made no sense together.
+    pub refused: u64,
+}
+
+/// Why there is no estimate.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TrackFault {
+    /// It cannot start from this prior.
+    #[error("cannot start from {prior}; it needs {needs}")]
+    Prior {
+        /// What it was given.
+        prior: &'static str,
+        /// What it needs.
+        needs: &'static str,
+    },
+    /// The saved state is none.
+    #[error("the saved state cannot be used: {0}")]
+    Saved(#[from] SavedFault),
+    /// Nobody started it.
+    #[error("it was not started")]
+    NotStarted,
+    /// A number that must not go on.
+    #[error(transparent)]
+    Message(#[from] MessageFault),
+    /// Too long without a reading: where the robot was driven to, nobody knows.
+    #[error("no reading for {gap_s:.1} s; the pose is kept, the speed is forgotten")]
+    Gap {
+        /// How long, seconds.
+        gap_s: f64,
+    },
+    /// The numbers of the state are not finite.
+    #[error("the state is not finite any more")]
+    Diverged,
+}
+
+/// The filter at work.
+#[derive(Debug)]
+pub struct LineTracker {
+    settings: TrackerSettings,
+    extractor: LineExtractor,
+    running: Option<Running>,
+}
+
+#[derive(Debug)]
+struct Running {
+    filter: LineFilter,
+    clock: Clock,
+    odometer: Odometer,
+    track: OdometryTrack,
+    /// Wheels speak for themselves: the odometer, which is made from them, is not counted twice.
+    has_wheels: bool,
+    left_out: LeftOut,
+    scans_without_match: u32,
+    n_scans: u64,
+}
+
+/// Longer than this the robot is not predicted, seconds.
+const LONGEST_GAP_S: f64 = 10.0;
+/// A pose that is surer than this makes walls that depend on it too exactly for the numbers, m² and rad².
+const LEAST_VARIANCE: f64 = 1e-12;
+
+impl LineTracker {
+    /// A tracker that waits for its start.
+    pub fn new(settings: TrackerSettings) -> LineTracker {
+        let extractor = LineExtractor::new(settings.lines);
+        LineTracker { settings, extractor, running: None }
+    }
+
+    /// Begins to build a map, at a pose or where a saved state was.
+    ///
+    /// # Errors
+    /// Why that is no start.
+    pub fn build_map(&mut self, prior: &Prior) -> Result<(), TrackFault> {
+        prior.check()?;
+        let running = match prior {
+            Prior::Saved(bytes) => self.resumed(bytes)?,
+            Prior::Pose { map_from_base, odom_from_base, covariance } => {
+                let (robot, spread) = self.robot_at(map_from_base, covariance)?;
+                let filter = LineFilter::building(self.settings.filter.clone(), robot, &spread);
+                self.begun(filter, *odom_from_base)
+            }
+            Prior::Unknown => {
+                let needs = "a pose, which defines the map's frame, or a state that it saved";
+                return Err(TrackFault::Prior { prior: "an unknown pose", needs });
+            }
+        };
+        self.running = Some(running);
+        Ok(())
+    }
+
+    /// Begins to follow the robot on a map.
+    ///
+    /// # Errors
+    /// Why that is no start.
+    pub fn follow(&mut self, prior: &Prior, map: &WallMap) -> Result<(), TrackFault> {
+        prior.check()?;
+        let needs = "a pose";
+        let Prior::Pose { map_from_base, odom_from_base, covariance } = prior else {
+            let is_saved = matches!(prior, Prior::Saved(_));
+            let prior = if is_saved { "a saved state" } else { "an unknown pose" };
+            return Err(TrackFault::Prior { prior, needs });
+        };
+        let (robot, spread) = self.robot_at(map_from_base, covariance)?;
+        let filter = LineFilter::on_map(self.settings.filter.clone(), robot, &spread, map);
+        self.running = Some(self.begun(filter, *odom_from_base));
+        Ok(())
+    }
+
+    fn robot_at(
+        &self,
+        map_from_base: &Pose2,
+        covariance: &Matrix3<f64>,
+    ) -> Result<(Vector5<f64>, Matrix5<f64>), TrackFault> {
+        let symmetric = (covariance + covariance.transpose()) * 0.5;
+        let least = symmetric.symmetric_eigenvalues().min();
+        if least < -1e-9 * symmetric.amax().max(LEAST_VARIANCE) {
+            let (message, field) = ("prior", "covariance");
+            let (found, expected) = (format!("an eigenvalue of {least}"), "no negative eigenvalue");
+            return Err(MessageFault { message, field, found, expected }.into());
+        }
+        let place = map_from_base.translation.vector;
+        let robot = Vector5::new(place.x, place.y, map_from_base.rotation.angle(), 0.0, 0.0);
+        let mut spread = Matrix5::zeros();
+        let floor = Matrix3::identity() * (LEAST_VARIANCE - least.min(0.0));
+        spread.fixed_view_mut::<3, 3>(0, 0).copy_from(&(symmetric + floor));
+        for (k, deviation) in (3..).zip(self.settings.start_motion) {
+            spread[(k, k)] = deviation * deviation;
+        }
+        Ok((robot, spread))
+    }
+
+    fn begun(&self, filter: LineFilter, odom_from_base: Pose2) -> Running {
+        Running {
+            filter,
+            clock: self.settings.clock.clone(),
+            odometer: Odometer { odom_from_base, stamp: None },
+            track: OdometryTrack::new(),
+            has_wheels: false,
+            left_out: LeftOut::default(),
+            scans_without_match: 0,
+            n_scans: 0,
+        }
+    }
+
+    fn resumed(&self, bytes: &[u8]) -> Result<Running, TrackFault> {
+        let saved = SavedFilter::from_bytes(bytes, self.settings.filter.clone())?;
+        let [x, y, yaw] = saved.odom_from_base;
+        let mut running = self.begun(saved.filter, pose2(x, y, yaw));
+        running.clock.resume(saved.start, saved.now);
+        running.odometer.stamp = saved.odometry_stamp;
+        if let Some(stamp) = saved.odometry_stamp {
+            let odom_from_base = running.odometer.odom_from_base;
+            running
+                .track
+                .push(stamp, &rumbo_core::messages::Odometry { odom_from_base, ..Default::default() });
+        }
+        Ok(running)
+    }
+
+    /// The whole state as bytes; none before the start.
+    pub fn save(&self) -> Option<Vec<u8>> {
+        let Running { filter, clock, odometer, .. } = self.running.as_ref()?;
+        let place = odometer.odom_from_base.translation.vector;
+        let saved = SavedFilter {
+            start: clock.start(),
+            now: clock.now(),
+            odom_from_base: [place.x, place.y, odometer.odom_from_base.rotation.angle()],
+            odometry_stamp: odometer.stamp,
+            filter: filter.clone(),
+        };
+        Some(saved.to_bytes())
+    }
+
+    /// The filter; none before the start.
+    pub fn filter(&self) -> Option<&LineFilter> {
+        self.running.as_ref().map(|running| &running.filter)
+    }
+
+    /// What was left out since the start.
+    pub fn left_out(&self) -> LeftOut {
+        self.running.as_ref().map_or_else(LeftOut::default, |running| running.left_out)
+    }
+
+    /// Scans that were taken in since the start.
+    pub fn n_scans(&self) -> u64 {
+        self.running.as_ref().map_or(0, |running| running.n_scans)
+    }
+
+    /// Takes in what was seen. A fault of one reading is told after all others were taken in.
+    ///
+    /// # Errors
+    /// Why there is no estimate.
+    pub fn update(&mut self, now: Time, seen: Seen<'_>) -> Result<Estimate, TrackFault> {
+        let running = self.running.as_mut().ok_or(TrackFault::NotStarted)?;
+        let mut outcome = Ok(());
+        for observation in seen.iter().filter(|observation| observation.valid) {
+            let taken = running.take(observation, &self.settings, &mut self.extractor);
+            outcome = outcome.and(taken);
+        }
+        outcome?;
+        if !running.filter.state().robot.iter().all(|v| v.is_finite()) {
+            return Err(TrackFault::Diverged);
+        }
+        Ok(running.estimate(now, self.settings.lost_after_scans))
+    }
+}
+
+impl Running {
+    fn take(
+        &mut self,
+        observation: &Observation,
+        settings: &TrackerSettings,
+        extractor: &mut LineExtractor,
+    ) -> Result<(), TrackFault> {
+        let stamp = observation.stamp;
+        match &observation.data {
+            Data::WheelSpeeds(wheels) => {
+                wheels.check()?;
+                if let Some(speeds) = of_axle(wheels, &settings.drive) {
+                    self.has_wheels = true;
+                    if self.goes_to(Source::Wheels, stamp, settings)? {
+                        self.turn_wheels(speeds);
+                    }
+                }
+            }
+            Data::Odometry(odometry) => {
+                odometry.check()?;
+                self.track.push(stamp, odometry);
+                let half_track_m = settings.filter.wheels.half_track_m;
+                let mean = self.odometer.advance(stamp, odometry.odom_from_base, half_track_m);
+                if let Some(mean) = mean.filter(|_| !self.has_wheels) {
+                    // A scan may have brought the state beyond the middle already.
+                    let at = self
+                        .clock
+                        .now()
+                        .filter(|now| *now <= stamp)
+                        .map_or(mean.middle, |now| now.max(mean.middle));
+                    if self.goes_to(Source::Wheels, at, settings)? {
+                        self.turn_wheels(mean.wheels_m_s);
+                    }
+                }
+            }
+            // What stands for the angle of another drive, nobody says.
+            Data::SteeringAngle(steering) if matches!(settings.drive, Drive::Tricycle { .. }) => {
+                steering.check()?;
+                if self.goes_to(Source::Steering, stamp, settings)? {
+                    let reading = self.filter.read_steering(steering.angle_rad);
+                    self.left_out.refused += u64::from(reading == Reading::Refused);
+                }
+            }
+            Data::LaserScan(scan) => {
+                scan.check()?;
+                if self.goes_to(Source::Laser, stamp, settings)? {
+                    self.look(scan, &Mount::from(&flatten(&observation.base_from_sensor)), extractor);
+                }
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Predicts to a reading; whether it is to be taken in.
+    fn goes_to(
+        &mut self,
+        source: Source,
+        stamp: Time,
+        settings: &TrackerSettings,
+    ) -> Result<bool, TrackFault> {
+        let gap_s = self.clock.now().map_or(0.0, |now| (stamp - now).as_secs());
+        match self.clock.admit(source, stamp) {
+            Instant::Ahead { .. } if gap_s > LONGEST_GAP_S => {
+                self.filter.forget_motion(settings.start_motion);
+                return Err(TrackFault::Gap { gap_s });
+            }
+            Instant::Ahead { n_steps, step_s } => (0..n_steps).for_each(|_| self.filter.predict(step_s)),
+            Instant::Slightly => {}
+            Instant::Late => {
+                self.left_out.late += 1;
+                return Ok(false);
+            }
+            Instant::NotDue => {
+                self.left_out.not_due += 1;
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn turn_wheels(&mut self, speeds_m_s: [f64; 2]) {
+        match self.filter.read_wheels(speeds_m_s) {
+            Reading::Slipping(_) => self.left_out.slipping += 1,
+            Reading::Refused => self.left_out.refused += 1,
+            Reading::Fused(_) | Reading::TooSlow => {}
+        }
+    }
+
+    fn look(&mut self, scan: &LaserScan, mount: &Mount, extractor: &mut LineExtractor) {
+        let fan = BeamFan {
+            first_bearing_rad: scan.first_bearing_rad,
+            bearing_step_rad: scan.bearing_step_rad,
+            min_range_m: f64::from(scan.min_range_m),
+            max_range_m: f64::from(scan.max_range_m),
+        };
+        let lines = extractor.extract(&fan, scan.ranges_m.iter().map(|range| f64::from(*range)));
+        let report = self.filter.read_lines(lines, mount);
+        self.n_scans += 1;
+        self.left_out.refused += u64::from(report.is_refused);
+        if !report.matches.is_empty() {
+            self.scans_without_match = 0;
+        } else if !lines.is_empty() {
+            self.scans_without_match = self.scans_without_match.saturating_add(1);
+        }
+    }
+
+    fn estimate(&self, now: Time, lost_after_scans: u32) -> Estimate {
+        let stamp = self.clock.now().unwrap_or(now).min(now);
+        let odom_from_base =
+            self.track.stamp().map_or(self.odometer.odom_from_base, |_| self.track.at(stamp));
+        let state = self.filter.state();
+        let mut estimate = Estimate::planar(stamp, state.pose(), odom_from_base, state.pose_covariance());
+        if self.filter.is_on_map() && self.scans_without_match >= lost_after_scans {
+            estimate.status = Status::Lost;
+        }
+        estimate
+    }
+}
