@@ -132,7 +132,8 @@ fn layout_lines() -> String {
         rumbo_robot {
             size, drive, guard_stop_zone, track_m, wheelbase_m, max_steer_deg, max_steer_rate_deg_s, radius_m,
             n_corners, corners, height_m, max_speed_m_s, max_turn_deg_s, max_accel_m_s2, max_turn_accel_deg_s2,
-            braking_m_s2, guard_margin_m, guard_latency_s, guard_stale_after_s,
+            braking_m_s2, guard_margin_m, guard_latency_s, guard_stale_after_s, is_steered_behind,
+            reserved,
         }
         rumbo_context {
             size, name, sensor, dry_run, is_threaded, wanted_layers, robot, base_from_sensor, rate_hz, seed, rng,

@@ -40,7 +40,7 @@ pub use covariance::Covariance;
 pub use filter::{LineFilter, MapUse, Reading, ScanReport, WallMap};
 pub use growth::Growth;
 pub use motion::{Integration, MotionModel};
-pub use params::{ExtractionParams, KeyFault, PeriodParams, SensorNoiseParams, SharedParams, SteeredWheel};
+pub use params::{ExtractionParams, KeyFault, PeriodParams, SensorNoiseParams, SharedParams};
 pub use saved::{SavedFault, SavedFilter};
 pub use schedule::{Schedule, ScheduleFault};
 pub use sighting::{Mount, PredictedLine, placed};

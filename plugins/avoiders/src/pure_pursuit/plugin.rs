@@ -96,7 +96,7 @@ impl PurePursuit {
     fn look(&mut self, now: Time, input: &AvoidInput<'_>, odom_from_base: &Pose2) {
         for observation in input.seen.iter() {
             let age_s = (now - observation.stamp).as_secs().clamp(0.0, Self::OLDEST_S);
-            self.sightings.see(observation, &(odom_from_base * input.twist.integrate(-age_s)));
+            self.sightings.see(observation, &(odom_from_base * input.twist.integrate(-age_s)), &[]);
         }
         self.way.look(&self.sightings, odom_from_base);
     }

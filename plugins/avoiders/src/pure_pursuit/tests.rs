@@ -202,7 +202,7 @@ fn seen(points: &[(f64, f64)]) -> WayAhead {
         let (sensor, base_from_sensor) = (SensorId(idx as u16), Pose3::identity());
         let data = Data::LaserScan(scan);
         let observation = Observation { sensor, stamp: Time(1), base_from_sensor, valid: true, data };
-        sightings.see(&observation, &Pose2::identity());
+        sightings.see(&observation, &Pose2::identity(), &[]);
     }
     way.look(&sightings, &Pose2::identity());
     way

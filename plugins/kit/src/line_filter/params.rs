@@ -90,17 +90,6 @@ pub struct PeriodParams {
     pub laser_s: f64,
 }
 
-/// Which end of a tricycle is steered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum SteeredWheel {
-    /// In front of the axle.
-    #[default]
-    Front,
-    /// Behind the axle, as on a forklift.
-    Rear,
-}
-
 /// What both plugins have, from their own keys.
 #[derive(Debug, Clone)]
 pub struct SharedParams<'a> {
@@ -114,8 +103,6 @@ pub struct SharedParams<'a> {
     pub periods: &'a PeriodParams,
     /// What the steering angle has to do with the motion.
     pub steering_model: SteeringModel,
-    /// Which end is steered.
-    pub steered: SteeredWheel,
     /// Below this speed the steering angle says nothing, m/s.
     pub steering_min_speed_m_s: f64,
     /// Squared distance from which on a wheel slips.
@@ -194,11 +181,10 @@ impl SharedParams<'_> {
 
     /// What the tracker needs for this robot; `growth` where it builds its map.
     pub fn tracker_settings(&self, robot: &Robot, growth: Growth) -> TrackerSettings {
-        let (wheelbase_m, track_m) = match robot.drive {
-            Drive::Tricycle { wheelbase_m, track_m, .. } => (wheelbase_m, track_m),
-            Drive::Differential { track_m } => (0.0, track_m),
+        let track_m = match robot.drive {
+            Drive::Tricycle { track_m, .. } | Drive::Differential { track_m } => track_m,
             // The manifest leaves other drives out.
-            _ => (0.0, robot.radius_m),
+            _ => robot.radius_m,
         };
         let noise = self.noise;
         let filter = FilterSettings {
@@ -211,7 +197,7 @@ impl SharedParams<'_> {
             },
             steering: Steering {
                 model: self.steering_model,
-                behind_m: if self.steered == SteeredWheel::Rear { wheelbase_m } else { -wheelbase_m },
+                behind_m: -robot.drive.steered_ahead_m().unwrap_or(0.0),
                 angle_rad: noise.steering_deg.to_radians(),
                 min_speed_m_s: self.steering_min_speed_m_s,
             },

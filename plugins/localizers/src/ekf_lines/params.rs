@@ -3,8 +3,7 @@
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
 use rumbo_kit::line_filter::{
-    ExtractionParams, Integration, MotionModel, PeriodParams, SensorNoiseParams, SharedParams, SteeredWheel,
-    SteeringModel,
+    ExtractionParams, Integration, MotionModel, PeriodParams, SensorNoiseParams, SharedParams, SteeringModel,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -31,8 +30,6 @@ pub struct EkfLinesParams {
     pub lost_after_scans: u32,
     /// What the steering angle has to do with the motion: `arctangent`, or `small_angle` as the source prints it.
     pub steering_model: SteeringModel,
-    /// Which wheel of a tricycle is steered: `front`, or `rear` as on a forklift.
-    pub steered: SteeredWheel,
     /// Below this speed the steering angle says nothing, m/s.
     pub steering_min_speed_m_s: f64,
     /// Squared Mahalanobis distance from which on a wheel slips: 13.8 is 99.9 % of what right readings keep. Wheels that
@@ -59,7 +56,6 @@ impl Default for EkfLinesParams {
             max_gap_m: 1.0,
             lost_after_scans: 20,
             steering_model: SteeringModel::Arctangent,
-            steered: SteeredWheel::Front,
             steering_min_speed_m_s: 0.5,
             slip_gate: 13.8,
             late_s: 0.1,
@@ -91,7 +87,6 @@ impl EkfLinesParams {
             noise: &self.noise,
             periods: &self.periods,
             steering_model: self.steering_model,
-            steered: self.steered,
             steering_min_speed_m_s: self.steering_min_speed_m_s,
             slip_gate: self.slip_gate,
             gate: self.gate,

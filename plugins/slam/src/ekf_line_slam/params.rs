@@ -4,7 +4,7 @@ use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
 use rumbo_kit::line_filter::{
     ExtractionParams, Growth, Integration, MotionModel, PeriodParams, SensorNoiseParams, SharedParams,
-    SteeredWheel, SteeringModel,
+    SteeringModel,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -40,8 +40,6 @@ pub struct EkfLineSlamParams {
     pub merge: bool,
     /// What the steering angle has to do with the motion: `arctangent`, or `small_angle` as the source prints it.
     pub steering_model: SteeringModel,
-    /// Which wheel of a tricycle is steered: `front`, or `rear` as on a forklift.
-    pub steered: SteeredWheel,
     /// Below this speed the steering angle says nothing, m/s.
     pub steering_min_speed_m_s: f64,
     /// Squared Mahalanobis distance from which on a wheel slips: 13.8 is 99.9 % of what right readings keep. Wheels that
@@ -73,7 +71,6 @@ impl Default for EkfLineSlamParams {
             bootstrap_length_m: growth.bootstrap_length_m,
             merge: growth.merge,
             steering_model: SteeringModel::Arctangent,
-            steered: SteeredWheel::Front,
             steering_min_speed_m_s: 0.5,
             slip_gate: 13.8,
             late_s: 0.1,
@@ -118,7 +115,6 @@ impl EkfLineSlamParams {
             noise: &self.noise,
             periods: &self.periods,
             steering_model: self.steering_model,
-            steered: self.steered,
             steering_min_speed_m_s: self.steering_min_speed_m_s,
             slip_gate: self.slip_gate,
             gate: self.gate,

@@ -7,11 +7,11 @@ use rumbo_core::frames::{Pose2, Pose3, Twist, pose2};
 use rumbo_core::map::Map;
 use rumbo_core::messages::{Data, LaserScan, Observation, Odometry, Prior, Seen, SensorId};
 use rumbo_core::registry::{Params, Plugin, Registry, Stage};
-use rumbo_core::robot::Drive;
+use rumbo_core::robot::{Drive, Robot, SteeredWheel};
 use rumbo_core::stages::{BuildContext, Cx, Slam, SlamError};
 use rumbo_core::time::Time;
 use rumbo_core::trace::Trace;
-use rumbo_kit::line_filter::{Integration, SteeredWheel};
+use rumbo_kit::line_filter::Integration;
 
 fn built(params: &EkfLineSlamParams) -> Box<dyn Slam> {
     params.build(&BuildContext::bare("slam")).unwrap()
@@ -143,21 +143,23 @@ fn all_faults_of_the_keys_are_told() {
 
 #[test]
 fn keys_and_robot_become_the_filters_numbers() {
-    let drive =
-        Drive::Tricycle { wheelbase_m: 1.3, track_m: 0.9, max_steer_deg: 60.0, max_steer_rate_deg_s: 90.0 };
-    let robot = rumbo_core::robot::Robot { drive, ..Default::default() };
+    let tricycle = |steered| {
+        let (wheelbase_m, track_m, max_steer_deg, max_steer_rate_deg_s) = (1.3, 0.9, 60.0, 90.0);
+        let drive = Drive::Tricycle { wheelbase_m, track_m, max_steer_deg, max_steer_rate_deg_s, steered };
+        Robot { drive, ..Robot::default() }
+    };
     let params = EkfLineSlamParams {
         integration: Integration::Euler,
-        steered: SteeredWheel::Rear,
         max_gap_m: 0.7,
         merge: true,
         ..EkfLineSlamParams::default()
     };
-    let filter = params.shared().tracker_settings(&robot, params.growth()).filter;
+    let filter = params.shared().tracker_settings(&tricycle(SteeredWheel::Rear), params.growth()).filter;
     assert_eq!((filter.wheels.half_track_m, filter.steering.behind_m), (0.45, 1.3));
     assert_eq!((filter.gates.gap_m, filter.growth.gap_m, filter.growth.merge), (0.7, 0.7, true));
     assert_eq!(filter.motion.integration, Integration::Euler);
     let front = EkfLineSlamParams::default();
-    assert_eq!(front.shared().tracker_settings(&robot, front.growth()).filter.steering.behind_m, -1.3);
+    let filter = front.shared().tracker_settings(&tricycle(SteeredWheel::Front), front.growth()).filter;
+    assert_eq!(filter.steering.behind_m, -1.3);
     assert!(Registry::linked().unwrap().get(Stage::Slam, "ekf_line_slam").is_some());
 }

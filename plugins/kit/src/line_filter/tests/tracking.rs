@@ -11,11 +11,16 @@ use rumbo_core::messages::{
     Data, Estimate, LaserScan, Observation, Odometry, Prior, Seen, SensorId, Status, SteeringAngle,
     WheelSpeeds,
 };
-use rumbo_core::robot::Drive;
+use rumbo_core::robot::{Drive, SteeredWheel};
 use rumbo_core::time::{Span, Time};
 
-const TRICYCLE: Drive =
-    Drive::Tricycle { wheelbase_m: 1.3, track_m: 0.9, max_steer_deg: 80.0, max_steer_rate_deg_s: 90.0 };
+const TRICYCLE: Drive = Drive::Tricycle {
+    wheelbase_m: 1.3,
+    track_m: 0.9,
+    max_steer_deg: 80.0,
+    max_steer_rate_deg_s: 90.0,
+    steered: SteeredWheel::Front,
+};
 
 fn settings() -> TrackerSettings {
     let steering = Steering { behind_m: -1.3, ..Steering::default() };
