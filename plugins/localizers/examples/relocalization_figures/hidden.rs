@@ -31,12 +31,13 @@ pub fn run(n_starts: u64) {
 fn tell(which: &str, endings: &[Ending]) {
     let count = |of: &dyn Fn(&Ending) -> bool| endings.iter().filter(|ending| of(ending)).count();
     println!(
-        "{which}: of {} found after 0, 1, 2, 3 moves {:?}; wrong after {:?}; ambiguous {}, lost {}",
+        "{which}: of {} found after 0, 1, 2, 3 moves {:?}; wrong after {:?}; ambiguous {}, lost {}, of them {} without a way to go",
         endings.len(),
         [0, 1, 2, 3].map(|n| count(&|e| e.is_success() && e.n_moves == n)),
         [0, 1, 2, 3].map(|n| count(&|e| e.is_wrong() && e.n_moves == n)),
         count(&|e| e.last == Said::Ambiguous),
         count(&|e| e.last == Said::Lost),
+        count(&|e| e.last == Said::Lost && e.n_moves == 0),
     );
     for (seed, ending) in endings.iter().enumerate().filter(|(_, ending)| ending.is_wrong()).take(5) {
         println!("       start {seed}: {ending:?}");

@@ -111,7 +111,7 @@ impl Default for LandmarkRelaxationParams {
             relation_m: 0.075,
             relation_deg: 6.0,
             least_explained: 0.6,
-            sure_explained: 0.8,
+            sure_explained: 0.7,
             sure_matches: 5,
             most_through: 0.02,
             least_judged: 0.5,

@@ -25,7 +25,7 @@ fn of_two_rooms_that_look_the_same_the_right_one_is_found_by_going_where_they_di
     let endings = among_rooms(false, &defaults());
     let count = |of: fn(&Ending) -> bool| endings.iter().filter(|ending| of(ending)).count();
     assert!(count(|ending| ending.first == Said::Ambiguous) >= 10, "{endings:?}");
-    assert!(count(|ending| ending.is_success() && ending.n_moves <= 1) >= 6, "{endings:?}");
+    assert!(count(|ending| ending.is_success() && ending.n_moves <= 1) >= 5, "{endings:?}");
     assert!(count(Ending::is_success) >= 11 && count(Ending::is_wrong) == 0, "{endings:?}");
     assert!(endings.iter().all(|ending| ending.kept_the_truth));
     // It is the moving that does it.

@@ -57,7 +57,8 @@ fn of_a_large_map_few_parts_are_looked_at_and_there_all_cells_that_the_definitio
         assert!(passed.iter().all(is_same) && passed.iter().any(|score| score.cell == cell));
         n_parts += filter.n_parts()[0];
     }
-    assert!(n_parts <= 2 * n_tried, "{n_parts} parts of {} for {n_tried} places", 9 * n_tried);
+    // Every part has one of the rooms, and every room lies in two or three of them.
+    assert!(3 * n_parts < 2 * 9 * n_tried, "{n_parts} parts of {} for {n_tried} places", 9 * n_tried);
 }
 
 #[test]

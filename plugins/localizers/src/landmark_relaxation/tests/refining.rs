@@ -11,7 +11,8 @@ use std::f64::consts::PI;
 
 const SETTINGS: RefinementSettings =
     RefinementSettings { range_deviation_m: 0.015, map_deviation_m: 0.01, turn_deviation: 0.03 };
-const LIMITS: FitLimits = FitLimits { explained: 0.5, through: 0.15, judged: 0.5, alike: 0.05 };
+const LIMITS: FitLimits =
+    FitLimits { explained: 0.5, sure: 0.7, sure_matches: 5, through: 0.15, judged: 0.5, alike: 0.05 };
 
 /// From one pose to another: meters, degrees.
 fn off(found: &Pose2, truth: &Pose2) -> [f64; 2] {
