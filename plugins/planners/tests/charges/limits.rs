@@ -109,7 +109,13 @@ fn forgotten_charges_push_no_more() {
 #[test]
 fn corners_are_as_wide_as_the_robot_turns() {
     let drive =
-        Drive::Tricycle { wheelbase_m: 1.0, track_m: 0.8, max_steer_deg: 45.0, max_steer_rate_deg_s: 60.0 };
+        Drive::Tricycle {
+            wheelbase_m: 1.0,
+            track_m: 0.8,
+            max_steer_deg: 45.0,
+            max_steer_rate_deg_s: 60.0,
+            steered: SteeredWheel::Front,
+        };
     let robot = Arc::new(Robot { drive, ..Robot::default() });
     let mut planner = on_lines().build(&BuildContext::bare("planner")).unwrap();
     let request = PlanRequest { robot, ..watched(Point2::new(2.0, 2.0), goal()) };
