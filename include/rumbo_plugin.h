@@ -158,7 +158,7 @@ typedef struct rumbo_map_mut rumbo_map_mut;
 #define RUMBO_ABI_MAJOR 1
 
 // Minor of this ABI: goes up when something is appended.
-#define RUMBO_ABI_MINOR 0
+#define RUMBO_ABI_MINOR 1
 
 // Flag of a module: panics and exceptions are caught inside. A library without it is refused.
 #define RUMBO_CATCHES 1
@@ -1419,6 +1419,12 @@ typedef struct rumbo_map_builder_table {
                       const struct rumbo_estimate *estimate,
                       rumbo_map_mut *map,
                       struct rumbo_error *error);
+    // Asked when somebody saves the map: brings what only a whole visit tells into `map`, which is what will be saved, and
+    // pushes what must be kept beside it until the next visit, or nothing; may be null. Since ABI 1.1.
+    int32_t (*save)(const void *instance,
+                    rumbo_map_mut *map,
+                    struct rumbo_bytes_out *bytes,
+                    struct rumbo_error *error);
 } rumbo_map_builder_table;
 
 // Functions of a plugin that builds the map and finds the robot in it.
