@@ -422,11 +422,11 @@ impl Figures {
                 .any(|solid| is_in(solid, point, own_m))
         };
         let mut figures = Figures { n_new: 0, n_visible: 0, n_near: 0, n_gone: 0, n_stood: 0, n_false: 0 };
-        for cell in 0..size.n_cells() {
+        for (cell, n_scans) in seen.iter().enumerate() {
             let point = at(cell);
             let is_new = moved.boxes.iter().any(|solid| is_in(solid, point, own_m));
             let is_old = moved.without.iter().any(|solid| is_in(solid, point, own_m));
-            if is_new && !walls(point) && seen[cell] >= SEEN_SCANS {
+            if is_new && !walls(point) && *n_scans >= SEEN_SCANS {
                 figures.n_visible += 1;
                 figures.n_new += usize::from(is_set(after, cell));
                 figures.n_near += usize::from(near_set(cell));

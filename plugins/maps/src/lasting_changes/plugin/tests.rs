@@ -263,10 +263,8 @@ fn a_map_that_is_off_by_one_cell_is_left_as_it_is() {
         let place = Place::new(name);
         let world = room(&[SOFA, CHEST, PILLAR]);
         let mut mapped = vec![0; world.len()];
-        for index in 0..world.len() {
-            if let Some(beside) = SIZE.neighbor(index, off, 0) {
-                mapped[index] = world[beside];
-            }
+        for (index, cell) in mapped.iter_mut().enumerate() {
+            *cell = SIZE.neighbor(index, off, 0).map_or(0, |beside| world[beside]);
         }
         let params = LastingChangesParams { removes: RemovalRule::All, ..LastingChangesParams::default() };
         let map = occupied(&place.visits(&params, map_of(&mapped), &world, 4, &FINE));
