@@ -5,7 +5,7 @@ use super::scene::{Scene, has_arrived};
 use super::warehouse::{goal, groups, runs};
 use rumbo_core::frames::Point2;
 use rumbo_core::registry::Plugin;
-use rumbo_core::robot::{Drive, Robot};
+use rumbo_core::robot::{Drive, Robot, SteeredWheel};
 use rumbo_core::stages::{BuildContext, PlanRequest};
 use rumbo_core::trace::{Drawing, Trace};
 use rumbo_kit::potential::Obstacles;
@@ -108,14 +108,13 @@ fn forgotten_charges_push_no_more() {
 /// Where there is room, corners are rounded with the turning radius of a robot that cannot turn in place.
 #[test]
 fn corners_are_as_wide_as_the_robot_turns() {
-    let drive =
-        Drive::Tricycle {
-            wheelbase_m: 1.0,
-            track_m: 0.8,
-            max_steer_deg: 45.0,
-            max_steer_rate_deg_s: 60.0,
-            steered: SteeredWheel::Front,
-        };
+    let drive = Drive::Tricycle {
+        wheelbase_m: 1.0,
+        track_m: 0.8,
+        max_steer_deg: 45.0,
+        max_steer_rate_deg_s: 60.0,
+        steered: SteeredWheel::Front,
+    };
     let robot = Arc::new(Robot { drive, ..Robot::default() });
     let mut planner = on_lines().build(&BuildContext::bare("planner")).unwrap();
     let request = PlanRequest { robot, ..watched(Point2::new(2.0, 2.0), goal()) };
