@@ -86,7 +86,7 @@ fn who_walks_straight_at_the_robot_meets_one_that_stands_or_backs_off() {
         let comes = |time_s: f64| Point2::new(6.0 - speed_m_s * time_s, beside_m);
         let met = meet(&mut bench(StopAndReplanParams::default()), 30.0, comes);
         assert!(met.touched_m_s.is_none_or(|speed| speed <= 0.0), "{speed_m_s} m/s: {:?}", met.touched_m_s);
-        assert!(met.speeds.iter().any(|(_, speed)| *speed == 0.2), "it drove at first");
+        assert!(met.speeds.iter().any(|(_, speed)| *speed > 0.0), "it drove at first");
     }
 }
 
