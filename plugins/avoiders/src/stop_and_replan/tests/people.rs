@@ -13,7 +13,7 @@ struct Meeting {
     speeds: Vec<(f64, f64)>,
     /// The smallest gap between hull and body, meters.
     nearest_m: f64,
-    /// The robot's speed when it was first touched; that is the end.
+    /// The robot's speed when it was first touched.
     touched_m_s: Option<f64>,
 }
 
@@ -27,8 +27,8 @@ fn meet(bench: &mut Bench, limit_s: f64, person: impl Fn(f64) -> Point2) -> Meet
         let gap_m = (person(time_s).coords - bench.pose.translation.vector).norm() - BODY_M - 0.20;
         met.nearest_m = met.nearest_m.min(gap_m);
         if gap_m <= 0.0 {
-            met.touched_m_s = Some(bench.twist.forward_m_s);
-            break;
+            // He walks on, through the robot.
+            met.touched_m_s.get_or_insert(bench.twist.forward_m_s);
         }
         let seen = if step % 2 == 0 { vec![bench.scan()] } else { Vec::new() };
         match bench.steer(&seen).unwrap() {
