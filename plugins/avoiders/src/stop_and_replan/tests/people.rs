@@ -13,7 +13,7 @@ struct Meeting {
     speeds: Vec<(f64, f64)>,
     /// The smallest gap between hull and body, meters.
     nearest_m: f64,
-    /// The robot's speed when it was first touched; that is the end.
+    /// The robot's speed when it was first touched.
     touched_m_s: Option<f64>,
 }
 
@@ -27,8 +27,8 @@ fn meet(bench: &mut Bench, limit_s: f64, person: impl Fn(f64) -> Point2) -> Meet
         let gap_m = (person(time_s).coords - bench.pose.translation.vector).norm() - BODY_M - 0.20;
         met.nearest_m = met.nearest_m.min(gap_m);
         if gap_m <= 0.0 {
-            met.touched_m_s = Some(bench.twist.forward_m_s);
-            break;
+            // He walks on, through the robot.
+            met.touched_m_s.get_or_insert(bench.twist.forward_m_s);
         }
         let seen = if step % 2 == 0 { vec![bench.scan()] } else { Vec::new() };
         match bench.steer(&seen).unwrap() {
@@ -86,7 +86,7 @@ fn who_walks_straight_at_the_robot_meets_one_that_stands_or_backs_off() {
         let comes = |time_s: f64| Point2::new(6.0 - speed_m_s * time_s, beside_m);
         let met = meet(&mut bench(StopAndReplanParams::default()), 30.0, comes);
         assert!(met.touched_m_s.is_none_or(|speed| speed <= 0.0), "{speed_m_s} m/s: {:?}", met.touched_m_s);
-        assert!(met.speeds.iter().any(|(_, speed)| *speed == 0.2), "it drove at first");
+        assert!(met.speeds.iter().any(|(_, speed)| *speed > 0.0), "it drove at first");
     }
 }
 
