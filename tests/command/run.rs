@@ -123,7 +123,7 @@ fn a_report_shows_the_last_plan_as_its_planner_saw_it_also_where_it_failed() {
         give(&words);
         let page = std::fs::read_to_string(&report).unwrap();
         ["levels of the potential", "fictitious charge", "way before it was straightened"]
-            .map(|words| page.contains(words))
+            .map(|words| page.contains(&format!("{words}</li>")))
     };
     assert_eq!(shown(&[]), [true; 3]);
     // The walk without charges ends in front of a rack, and another planner drives.

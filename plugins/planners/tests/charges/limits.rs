@@ -11,8 +11,9 @@ use rumbo_core::trace::{Drawing, Trace};
 use rumbo_kit::potential::Obstacles;
 use rumbo_planners::fictitious_charges::FictitiousChargesParams;
 use rumbo_planners::field_descent::MapSource;
-use rumbo_planners::field_descent::descent::PlacedCharge;
+use rumbo_planners::field_descent::descent::{End, PlacedCharge};
 use rumbo_planners::field_descent::straightening::length_m;
+use rumbo_planners::potential_field::PotentialFieldParams;
 use std::sync::Arc;
 
 fn on_lines() -> FictitiousChargesParams {
@@ -155,4 +156,40 @@ fn the_potential_and_the_charges_are_drawn_for_who_looks() {
     assert!(n_levels > 10, "{n_levels}");
     assert!((charges[0] - Point2::new(20.707, 15.687)).norm() < 0.05 && charges.len() == 2);
     assert_eq!(walk[0], Point2::new(20.0, 4.0));
+}
+
+/// A robot that stands nearer to a rack than paths may come leaves it, and comes no nearer.
+#[test]
+fn a_robot_too_near_to_a_rack_may_leave() {
+    let obstacles = Obstacles::new(&groups(), 2.0).unwrap();
+    let mut planner = on_lines().build(&BuildContext::bare("planner")).unwrap();
+    let path = planner.plan(&request(&map(), Point2::new(20.0, 15.75), goal())).unwrap();
+    let mut done_m = 0.0;
+    for leg in path.points().windows(2) {
+        let along = leg[1].position - leg[0].position;
+        for k in 0..=200 {
+            let share = f64::from(k) / 200.0;
+            let clearance_m = obstacles.clearance_m(leg[0].position + along * share);
+            let needed_m = if done_m + share * along.norm() < 0.2 { 0.25 - 1e-9 } else { 0.3 };
+            assert!(clearance_m >= needed_m, "{clearance_m} after {done_m} m");
+        }
+        done_m += along.norm();
+    }
+    assert_eq!(path.end().position, goal());
+}
+
+/// A repulsion that is next to nothing does not lead through a wall: steps end before it, and the last one is named.
+#[test]
+fn walls_are_never_crossed_however_weak_they_are() {
+    let scene = Scene::warehouse();
+    let params = PotentialFieldParams {
+        eta: 1e-25,
+        minimum_clearance_m: Some(0.0),
+        ..PotentialFieldParams::default()
+    };
+    let walk = scene.plain(&params, Point2::new(20.0, 12.0));
+    assert_eq!(walk.end, End::StepIntoObstacle);
+    assert!(walk.points.iter().all(|at| at.y < 16.0));
+    let on_line = scene.plain(&params, Point2::new(20.0, 16.0));
+    assert_eq!((on_line.end, on_line.points.len()), (End::StartInObstacle, 1));
 }
