@@ -15,6 +15,7 @@ mod consistency;
 mod covariance;
 mod filter;
 mod growth;
+mod joint;
 mod merging;
 mod motion;
 mod params;
