@@ -7,7 +7,7 @@ mod forklift;
 use forklift::{Mode, Outcome, SCAN_EVERY, Setup, Step, recorded, run, simulated, truth};
 use rumbo_core::frames::wrap_angle;
 use rumbo_kit::line_filter::{
-    FilterSettings, Growth, Integration, MotionModel, Steering, SteeringModel, Wheels,
+    FilterSettings, Gates, Growth, Integration, MotionModel, Steering, SteeringModel, Wheels,
 };
 use std::sync::LazyLock;
 
@@ -150,6 +150,14 @@ fn with_the_printed_step_one_rate_is_unstable_for_most_tunings() {
         }
     }
     assert!(n_unstable[0] <= 3 && n_unstable[1] >= 30, "{n_unstable:?} of 60");
+}
+
+#[test]
+fn pairs_that_fit_together_do_as_well_as_the_nearest() {
+    let gates = Gates { joint: true, ..Gates::default() };
+    let joint = on_log(Mode::MultiRate, &FilterSettings { gates, ..FilterSettings::default() });
+    assert!(joint.position_rmse_m <= 0.008 && joint.map_offset_m <= 0.012, "{joint:?}");
+    assert!((14..=28).contains(&joint.n_walls), "{joint:?}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Which wall of the map a seen line is (section 2.4 of the source).
 
+use super::joint::compatible;
 use super::sighting::{PredictedLine, Viewpoint};
 use super::state::State;
 use super::update::Row;
@@ -21,11 +22,20 @@ pub struct Gates {
     pub normal_rad: f64,
     /// Largest gap along the line, meters (l_max).
     pub gap_m: f64,
+    /// Pairs must fit together, too, not only each by itself.
+    pub joint: bool,
 }
 
 impl Default for Gates {
     fn default() -> Self {
-        Gates { distance2: 9.0, behind_m: 0.3, distance_m: 0.8, normal_rad: 20f64.to_radians(), gap_m: 1.0 }
+        Gates {
+            distance2: 9.0,
+            behind_m: 0.3,
+            distance_m: 0.8,
+            normal_rad: 20f64.to_radians(),
+            gap_m: 1.0,
+            joint: false,
+        }
     }
 }
 
@@ -50,8 +60,32 @@ pub(super) fn mahalanobis2(z: [f64; 2], s: &Matrix2<f64>) -> f64 {
     square / determinant
 }
 
-/// Each seen line with the nearest wall, if one is near enough; several lines may be pieces of one wall.
+/// Each seen line with its wall: the nearest one, or that of the best set of pairs that fit together. Several lines may be
+/// pieces of one wall.
 pub(super) fn associate(
+    state: &State,
+    walls: &[Wall],
+    view: &Viewpoint,
+    seen: &[SensedLine],
+    gates: &Gates,
+) -> Vec<Match> {
+    let passing = passing(state, walls, view, seen, gates);
+    if gates.joint {
+        return compatible(state, view, seen, &passing, gates.distance2);
+    }
+    let mut nearest: Vec<Option<Match>> = vec![None; seen.len()];
+    for found in passing {
+        if let Some(place) = nearest.get_mut(found.seen)
+            && place.is_none_or(|other| found.distance2 < other.distance2)
+        {
+            *place = Some(found);
+        }
+    }
+    nearest.into_iter().flatten().collect()
+}
+
+/// All pairs of a line and a wall within the gates.
+fn passing(
     state: &State,
     walls: &[Wall],
     view: &Viewpoint,
@@ -60,7 +94,7 @@ pub(super) fn associate(
 ) -> Vec<Match> {
     let ends_m: Vec<[[f64; 2]; 2]> =
         seen.iter().map(|line| line.ends_m.map(|end| view.in_map(end))).collect();
-    let mut nearest: Vec<Option<Match>> = vec![None; seen.len()];
+    let mut passing = Vec::new();
     for (wall, (line, piece)) in state.walls.iter().zip(walls).enumerate() {
         let predicted = PredictedLine::from(view, *line);
         if predicted.distance_m < -gates.behind_m {
@@ -77,13 +111,12 @@ pub(super) fn associate(
             let own = *own.get_or_insert_with(|| expected_covariance(state, wall, &predicted));
             let [rho2, both, phi2] = line.covariance;
             let distance2 = mahalanobis2([z[0], z[1]], &(own + Matrix2::new(rho2, both, both, phi2)));
-            let is_nearest = nearest[idx].is_none_or(|other| distance2 < other.distance2);
-            if distance2 <= gates.distance2 && is_nearest {
-                nearest[idx] = Some(Match { seen: idx, wall, distance2 });
+            if distance2 <= gates.distance2 {
+                passing.push(Match { seen: idx, wall, distance2 });
             }
         }
     }
-    nearest.into_iter().flatten().collect()
+    passing
 }
 
 /// H P H^T of what should be seen of a wall.

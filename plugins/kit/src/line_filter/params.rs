@@ -109,6 +109,8 @@ pub struct SharedParams<'a> {
     pub slip_gate: f64,
     /// Squared distance of the farthest line that is a wall.
     pub gate: f64,
+    /// Pairs must fit together.
+    pub joint: bool,
     /// Largest gap along a wall, meters.
     pub max_gap_m: f64,
     /// Oldest reading that is taken in, seconds before the state.
@@ -201,7 +203,12 @@ impl SharedParams<'_> {
                 angle_rad: noise.steering_deg.to_radians(),
                 min_speed_m_s: self.steering_min_speed_m_s,
             },
-            gates: Gates { distance2: self.gate, gap_m: self.max_gap_m, ..Gates::default() },
+            gates: Gates {
+                distance2: self.gate,
+                gap_m: self.max_gap_m,
+                joint: self.joint,
+                ..Gates::default()
+            },
             growth: Growth { gap_m: self.max_gap_m, ..growth },
         };
         TrackerSettings {

@@ -1,5 +1,6 @@
 mod clocks;
 mod gates;
+mod joint;
 mod map;
 mod one_step;
 mod saving;

@@ -1,18 +1,14 @@
 //! The filter on what sensors really say: stamps that jitter, scans that come late, odometers in place of wheels.
 
 use super::FilterSettings;
-use super::clock::{Clock, Instant, Source};
-use super::filter::{LineFilter, Reading, WallMap};
+use super::clock::Clock;
+use super::filter::{LineFilter, WallMap};
+use super::running::{LeftOut, Running};
 use super::saved::{SavedFault, SavedFilter};
-use super::sighting::Mount;
-use super::wheel_readings::{Odometer, of_axle};
-use crate::lines::{BeamFan, LineExtractor, LineSettings};
+use crate::lines::{LineExtractor, LineSettings};
 use nalgebra::{Matrix3, Matrix5, Vector5};
-use rumbo_core::frames::{Pose2, flatten, pose2};
-use rumbo_core::messages::{
-    Check, Data, Estimate, LaserScan, MessageFault, Observation, Prior, Seen, Status,
-};
-use rumbo_core::odometry_track::OdometryTrack;
+use rumbo_core::frames::{Pose2, pose2};
+use rumbo_core::messages::{Check, Estimate, MessageFault, Odometry, Prior, Seen};
 use rumbo_core::robot::Drive;
 use rumbo_core::time::Time;
 
@@ -31,19 +27,6 @@ pub struct TrackerSettings {
     pub clock: Clock,
     /// So many scans in a row of which no line is a wall of the known map, and the robot is lost.
     pub lost_after_scans: u32,
-}
-
-/// What was left out, since the start.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct LeftOut {
-    /// Readings of wheels that slipped.
-    pub slipping: u64,
-    /// Readings that came too late.
-    pub late: u64,
-    /// Readings whose sensor was not due.
-    pub not_due: u64,
-    /// Readings whose numbers made no sense together.
-    pub refused: u64,
 }
 
 /// Why there is no estimate.
@@ -86,21 +69,6 @@ pub struct LineTracker {
     running: Option<Running>,
 }
 
-#[derive(Debug)]
-struct Running {
-    filter: LineFilter,
-    clock: Clock,
-    odometer: Odometer,
-    track: OdometryTrack,
-    /// Wheels speak for themselves: the odometer, which is made from them, is not counted twice.
-    has_wheels: bool,
-    left_out: LeftOut,
-    scans_without_match: u32,
-    n_scans: u64,
-}
-
-/// Longer than this the robot is not predicted, seconds.
-const LONGEST_GAP_S: f64 = 10.0;
 /// A pose that is surer than this makes walls that depend on it too exactly for the numbers, m² and rad².
 const LEAST_VARIANCE: f64 = 1e-12;
 
@@ -122,7 +90,7 @@ impl LineTracker {
             Prior::Pose { map_from_base, odom_from_base, covariance } => {
                 let (robot, spread) = self.robot_at(map_from_base, covariance)?;
                 let filter = LineFilter::building(self.settings.filter.clone(), robot, &spread);
-                self.begun(filter, *odom_from_base)
+                Running::new(filter, &self.settings, *odom_from_base)
             }
             Prior::Unknown => {
                 let needs = "a pose, which defines the map's frame, or a state that it saved";
@@ -147,7 +115,7 @@ impl LineTracker {
         };
         let (robot, spread) = self.robot_at(map_from_base, covariance)?;
         let filter = LineFilter::on_map(self.settings.filter.clone(), robot, &spread, map);
-        self.running = Some(self.begun(filter, *odom_from_base));
+        self.running = Some(Running::new(filter, &self.settings, *odom_from_base));
         Ok(())
     }
 
@@ -174,30 +142,15 @@ impl LineTracker {
         Ok((robot, spread))
     }
 
-    fn begun(&self, filter: LineFilter, odom_from_base: Pose2) -> Running {
-        Running {
-            filter,
-            clock: self.settings.clock.clone(),
-            odometer: Odometer { odom_from_base, stamp: None },
-            track: OdometryTrack::new(),
-            has_wheels: false,
-            left_out: LeftOut::default(),
-            scans_without_match: 0,
-            n_scans: 0,
-        }
-    }
-
     fn resumed(&self, bytes: &[u8]) -> Result<Running, TrackFault> {
         let saved = SavedFilter::from_bytes(bytes, self.settings.filter.clone())?;
         let [x, y, yaw] = saved.odom_from_base;
-        let mut running = self.begun(saved.filter, pose2(x, y, yaw));
+        let mut running = Running::new(saved.filter, &self.settings, pose2(x, y, yaw));
         running.clock.resume(saved.start, saved.now);
         running.odometer.stamp = saved.odometry_stamp;
         if let Some(stamp) = saved.odometry_stamp {
             let odom_from_base = running.odometer.odom_from_base;
-            running
-                .track
-                .push(stamp, &rumbo_core::messages::Odometry { odom_from_base, ..Default::default() });
+            running.track.push(stamp, &Odometry { odom_from_base, ..Odometry::default() });
         }
         Ok(running)
     }
@@ -247,125 +200,5 @@ impl LineTracker {
             return Err(TrackFault::Diverged);
         }
         Ok(running.estimate(now, self.settings.lost_after_scans))
-    }
-}
-
-impl Running {
-    fn take(
-        &mut self,
-        observation: &Observation,
-        settings: &TrackerSettings,
-        extractor: &mut LineExtractor,
-    ) -> Result<(), TrackFault> {
-        let stamp = observation.stamp;
-        match &observation.data {
-            Data::WheelSpeeds(wheels) => {
-                wheels.check()?;
-                if let Some(speeds) = of_axle(wheels, &settings.drive) {
-                    self.has_wheels = true;
-                    if self.goes_to(Source::Wheels, stamp, settings)? {
-                        self.turn_wheels(speeds);
-                    }
-                }
-            }
-            Data::Odometry(odometry) => {
-                odometry.check()?;
-                self.track.push(stamp, odometry);
-                let half_track_m = settings.filter.wheels.half_track_m;
-                let mean = self.odometer.advance(stamp, odometry.odom_from_base, half_track_m);
-                if let Some(mean) = mean.filter(|_| !self.has_wheels) {
-                    // A scan may have brought the state beyond the middle already.
-                    let at = self
-                        .clock
-                        .now()
-                        .filter(|now| *now <= stamp)
-                        .map_or(mean.middle, |now| now.max(mean.middle));
-                    if self.goes_to(Source::Wheels, at, settings)? {
-                        self.turn_wheels(mean.wheels_m_s);
-                    }
-                }
-            }
-            // What stands for the angle of another drive, nobody says.
-            Data::SteeringAngle(steering) if matches!(settings.drive, Drive::Tricycle { .. }) => {
-                steering.check()?;
-                if self.goes_to(Source::Steering, stamp, settings)? {
-                    let reading = self.filter.read_steering(steering.angle_rad);
-                    self.left_out.refused += u64::from(reading == Reading::Refused);
-                }
-            }
-            Data::LaserScan(scan) => {
-                scan.check()?;
-                if self.goes_to(Source::Laser, stamp, settings)? {
-                    self.look(scan, &Mount::from(&flatten(&observation.base_from_sensor)), extractor);
-                }
-            }
-            _ => {}
-        }
-        Ok(())
-    }
-
-    /// Predicts to a reading; whether it is to be taken in.
-    fn goes_to(
-        &mut self,
-        source: Source,
-        stamp: Time,
-        settings: &TrackerSettings,
-    ) -> Result<bool, TrackFault> {
-        let gap_s = self.clock.now().map_or(0.0, |now| (stamp - now).as_secs());
-        match self.clock.admit(source, stamp) {
-            Instant::Ahead { .. } if gap_s > LONGEST_GAP_S => {
-                self.filter.forget_motion(settings.start_motion);
-                return Err(TrackFault::Gap { gap_s });
-            }
-            Instant::Ahead { n_steps, step_s } => (0..n_steps).for_each(|_| self.filter.predict(step_s)),
-            Instant::Slightly => {}
-            Instant::Late => {
-                self.left_out.late += 1;
-                return Ok(false);
-            }
-            Instant::NotDue => {
-                self.left_out.not_due += 1;
-                return Ok(false);
-            }
-        }
-        Ok(true)
-    }
-
-    fn turn_wheels(&mut self, speeds_m_s: [f64; 2]) {
-        match self.filter.read_wheels(speeds_m_s) {
-            Reading::Slipping(_) => self.left_out.slipping += 1,
-            Reading::Refused => self.left_out.refused += 1,
-            Reading::Fused(_) | Reading::TooSlow => {}
-        }
-    }
-
-    fn look(&mut self, scan: &LaserScan, mount: &Mount, extractor: &mut LineExtractor) {
-        let fan = BeamFan {
-            first_bearing_rad: scan.first_bearing_rad,
-            bearing_step_rad: scan.bearing_step_rad,
-            min_range_m: f64::from(scan.min_range_m),
-            max_range_m: f64::from(scan.max_range_m),
-        };
-        let lines = extractor.extract(&fan, scan.ranges_m.iter().map(|range| f64::from(*range)));
-        let report = self.filter.read_lines(lines, mount);
-        self.n_scans += 1;
-        self.left_out.refused += u64::from(report.is_refused);
-        if !report.matches.is_empty() {
-            self.scans_without_match = 0;
-        } else if !lines.is_empty() {
-            self.scans_without_match = self.scans_without_match.saturating_add(1);
-        }
-    }
-
-    fn estimate(&self, now: Time, lost_after_scans: u32) -> Estimate {
-        let stamp = self.clock.now().unwrap_or(now).min(now);
-        let odom_from_base =
-            self.track.stamp().map_or(self.odometer.odom_from_base, |_| self.track.at(stamp));
-        let state = self.filter.state();
-        let mut estimate = Estimate::planar(stamp, state.pose(), odom_from_base, state.pose_covariance());
-        if self.filter.is_on_map() && self.scans_without_match >= lost_after_scans {
-            estimate.status = Status::Lost;
-        }
-        estimate
     }
 }

@@ -24,6 +24,9 @@ pub struct EkfLinesParams {
     pub sigma_lateral: f64,
     /// Squared Mahalanobis distance up to which a line is a wall of the map (eta): 9.0 keeps 98.9 % of the right pairs.
     pub gate: f64,
+    /// Pairs of a line and a wall must fit together, not only each by itself: slower, and safer where walls are near each
+    /// other. Without it each line is the nearest wall.
+    pub joint_compatibility: bool,
     /// A piece of wall farther than this from a wall of the map, along its line, is another one, meters (l_max).
     pub max_gap_m: f64,
     /// So many scans in a row of which no line is a wall of the map, and the robot is lost.
@@ -53,6 +56,7 @@ impl Default for EkfLinesParams {
             sigma_angular_acceleration: 0.3,
             sigma_lateral: 0.0,
             gate: 9.0,
+            joint_compatibility: false,
             max_gap_m: 1.0,
             lost_after_scans: 20,
             steering_model: SteeringModel::Arctangent,
@@ -90,6 +94,7 @@ impl EkfLinesParams {
             steering_min_speed_m_s: self.steering_min_speed_m_s,
             slip_gate: self.slip_gate,
             gate: self.gate,
+            joint: self.joint_compatibility,
             max_gap_m: self.max_gap_m,
             late_s: self.late_s,
             lost_after_scans: self.lost_after_scans,

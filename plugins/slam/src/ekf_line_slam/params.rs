@@ -25,6 +25,9 @@ pub struct EkfLineSlamParams {
     pub sigma_lateral: f64,
     /// Squared Mahalanobis distance up to which a line is a wall of the map (eta): 9.0 keeps 98.9 % of the right pairs.
     pub gate: f64,
+    /// Pairs of a line and a wall must fit together, not only each by itself: slower, and safer where walls are near each
+    /// other. Without it each line is the nearest wall.
+    pub joint_compatibility: bool,
     /// Pieces of wall farther apart than this along their line are different walls, meters (l_max).
     pub max_gap_m: f64,
     /// Scans that must show a line before it becomes a wall.
@@ -64,6 +67,7 @@ impl Default for EkfLineSlamParams {
             sigma_angular_acceleration: 0.3,
             sigma_lateral: 0.0,
             gate: 9.0,
+            joint_compatibility: false,
             max_gap_m: growth.gap_m,
             confirm_hits: growth.confirm_hits,
             forget_after_scans: growth.forget_after_scans,
@@ -118,6 +122,7 @@ impl EkfLineSlamParams {
             steering_min_speed_m_s: self.steering_min_speed_m_s,
             slip_gate: self.slip_gate,
             gate: self.gate,
+            joint: self.joint_compatibility,
             max_gap_m: self.max_gap_m,
             late_s: self.late_s,
             // A robot that builds its map sees walls wherever it is.
