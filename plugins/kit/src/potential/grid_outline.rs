@@ -12,7 +12,7 @@ type Corner = [f64; 2];
 /// grid, parted where they bend inwards. Free cells that touch at a corner only do not hang together.
 ///
 /// Stairs of slanted walls are no corners: where an outline is parted is looked up on an outline that may stray from it by
-/// [`STRAY_CELLS`].
+/// one and a half cells.
 pub fn outlines_of_grid(size: GridSize, is_free: &[bool]) -> Vec<Group> {
     assert_eq!(is_free.len(), size.n_cells(), "one answer a cell");
     let outlines = Outlines { size, is_free };

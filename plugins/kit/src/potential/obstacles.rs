@@ -180,7 +180,7 @@ impl Obstacles {
 
     /// Every point of the straight way between two places keeps this clearance, meters, which must be within reach.
     ///
-    /// Marches in steps as long as the room that is left, at least [`SHORTEST_MARCH_M`], and asks for half of that more
+    /// Marches in steps as long as the room that is left, at least 0.01 m, and asks for half of that more
     /// than the clearance, so that nothing between two steps is missed.
     pub fn is_clear(&self, from: Point2<f64>, to: Point2<f64>, clearance_m: f64) -> bool {
         let way = to - from;
@@ -205,4 +205,4 @@ impl Obstacles {
 }
 
 /// Shortest step along a way whose clearance is looked at, meters.
-pub const SHORTEST_MARCH_M: f64 = 0.01;
+const SHORTEST_MARCH_M: f64 = 0.01;
