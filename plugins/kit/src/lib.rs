@@ -17,6 +17,8 @@ pub mod likelihood_field;
 pub mod log_file;
 pub mod map_comparison;
 pub mod map_file;
+pub mod mark_file;
+pub mod mrclam;
 pub mod normal;
 pub mod occupancy;
 pub mod port;
