@@ -7,6 +7,7 @@ mod emulate;
 mod eval;
 mod help;
 #[cfg(unix)]
+mod marks;
 mod new;
 mod plot;
 mod plugins;

@@ -86,11 +86,15 @@ fn marks_of(text: &str) -> Result<Vec<MarkPlace>, Vec<(usize, String)>> {
         let Told { identity, x_m, y_m, deviation_m } = *told.get_ref();
         for (key, value) in [("x_m", x_m), ("y_m", y_m)] {
             if !(value.abs() <= FARTHEST_M) {
-                faults.push((line, format!("mark {identity}: {key} is {value}, expected at most {FARTHEST_M} m")));
+                faults.push((
+                    line,
+                    format!("mark {identity}: {key} is {value}, expected at most {FARTHEST_M} m"),
+                ));
             }
         }
         if !(0.0..=FARTHEST_M).contains(&deviation_m) {
-            let message = format!("mark {identity}: deviation_m is {deviation_m}, expected a length of at least 0");
+            let message =
+                format!("mark {identity}: deviation_m is {deviation_m}, expected a length of at least 0");
             faults.push((line, message));
         }
         if let Some(first) = lines.insert(identity, line) {
@@ -99,7 +103,10 @@ fn marks_of(text: &str) -> Result<Vec<MarkPlace>, Vec<(usize, String)>> {
         places.push(MarkPlace { identity, position_m: [x_m, y_m], deviation_m: [deviation_m; 2] });
     }
     if document.mark.is_empty() {
-        faults.push((1, "no marks; expected tables [[mark]] with identity, x_m, y_m and deviation_m".to_owned()));
+        faults.push((
+            1,
+            "no marks; expected tables [[mark]] with identity, x_m, y_m and deviation_m".to_owned(),
+        ));
     }
     if faults.is_empty() { Ok(places) } else { Err(faults) }
 }

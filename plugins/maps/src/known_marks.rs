@@ -4,6 +4,6 @@ mod load;
 mod params;
 mod plugin;
 
-pub use load::{load_world_marks, load_marks_at};
+pub use load::{load_marks_at, load_world_marks};
 pub use params::KnownMarksParams;
 pub use plugin::KnownMarks;

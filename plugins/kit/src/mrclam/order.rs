@@ -27,9 +27,8 @@ pub(super) fn sorted<T>(rows: Vec<Row<Stamped<T>>>, name: &str) -> (Vec<Stamped<
         let is_behind = newest.is_some_and(|newest| newest - stamp > WINDOW);
         // The row behind says who is wrong: a stamp that leaps ahead of it, or a gap of the log.
         let next = stamps.get(idx + 1).copied();
-        let leaps = next.is_some_and(|next| {
-            stamp - next > WINDOW && newest.is_none_or(|newest| newest - next <= WINDOW)
-        });
+        let leaps = next
+            .is_some_and(|next| stamp - next > WINDOW && newest.is_none_or(|newest| newest - next <= WINDOW));
         if is_behind || leaps {
             strays.push(row.line);
             continue;

@@ -105,8 +105,11 @@ fn read_velocities(folder: &Path, robot: u32, log: &mut RobotLog) -> Result<(), 
     log.sentences.extend(table.sentences());
     let (rows, order) = sorted(table.rows, &name);
     log.sentences.extend(order);
-    let velocity =
-        |Stamped { stamp, told: [forward_m_s, turn_rad_s] }: Stamped<[f64; 2]>| Velocity { stamp, forward_m_s, turn_rad_s };
+    let velocity = |Stamped { stamp, told: [forward_m_s, turn_rad_s] }: Stamped<[f64; 2]>| Velocity {
+        stamp,
+        forward_m_s,
+        turn_rad_s,
+    };
     log.velocities = rows.into_iter().map(velocity).collect();
     Ok(())
 }

@@ -84,7 +84,9 @@ fn row<T>(
     let told = parse(&mut words)?;
     match words.next() {
         None => Ok(told),
-        Some(word) => Err(words.fault(FaultKind::CountDiffers, "the row", shown(word), "the end of the line")),
+        Some(word) => {
+            Err(words.fault(FaultKind::CountDiffers, "the row", shown(word), "the end of the line"))
+        }
     }
 }
 
@@ -118,7 +120,8 @@ impl<T> Table<T> {
         if !self.rows.is_empty() {
             return Ok(self);
         }
-        let why = self.tally.sentences().into_iter().next().map_or_else(String::new, |why| format!(" ({why})"));
+        let why =
+            self.tally.sentences().into_iter().next().map_or_else(String::new, |why| format!(" ({why})"));
         Err(MrclamError::Empty { path: self.path, why, expected })
     }
 

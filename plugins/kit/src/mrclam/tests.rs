@@ -67,8 +67,12 @@ fn at(seconds: f64) -> Time {
 fn a_folder_is_read_as_it_is_and_robots_are_no_landmarks() {
     let folder = folder("whole");
     let log = folder.read();
-    let velocity = |seconds, forward_m_s, turn_rad_s| Velocity { stamp: at(seconds), forward_m_s, turn_rad_s };
-    assert_eq!(log.velocities, [velocity(100.0, 0.1, 0.0), velocity(100.5, 0.2, -0.4), velocity(101.0, 0.0, 0.0)]);
+    let velocity =
+        |seconds, forward_m_s, turn_rad_s| Velocity { stamp: at(seconds), forward_m_s, turn_rad_s };
+    assert_eq!(
+        log.velocities,
+        [velocity(100.0, 0.1, 0.0), velocity(100.5, 0.2, -0.4), velocity(101.0, 0.0, 0.0)]
+    );
     let sighting =
         |seconds, range_m, bearing_rad| Sighting { stamp: at(seconds), subject: 6, range_m, bearing_rad };
     assert_eq!(log.sightings, [sighting(100.2, 2.5, 0.1), sighting(100.7, 2.25, -0.125)]);
@@ -97,7 +101,8 @@ fn gzip_is_read_as_well_and_one_that_is_cut_off_up_to_the_cut() {
 #[test]
 fn what_is_missing_is_named() {
     let folder = folder("missing");
-    for file in ["Robot1_Odometry.dat", "Robot1_Measurement.dat", "Barcodes.dat", "Landmark_Groundtruth.dat"] {
+    for file in ["Robot1_Odometry.dat", "Robot1_Measurement.dat", "Barcodes.dat", "Landmark_Groundtruth.dat"]
+    {
         let text = std::fs::read_to_string(folder.0.join(file)).unwrap();
         std::fs::remove_file(folder.0.join(file)).unwrap();
         let fault = folder.fault();
@@ -120,7 +125,10 @@ fn lines_that_cannot_be_read_are_skipped_and_told_with_their_place() {
     let folder = folder("lines");
     let damaged = "100.0 0.1 0.0\n100.1 quick 0.0\n100.2 0.1\n100.3 0.1 0.0 0.0\n100.4 0.1 inf\n100.5 0.3 0.0\n100.6 0.1 0.";
     folder.write("Robot1_Odometry.dat", damaged);
-    folder.write("Robot1_Measurement.dat", "100.2 63 -2.5 0.1\n100.3 63.5 1.0 0.0\n100.4 77 1.0 0.0\n100.5 63 2.0 0.0\n");
+    folder.write(
+        "Robot1_Measurement.dat",
+        "100.2 63 -2.5 0.1\n100.3 63.5 1.0 0.0\n100.4 77 1.0 0.0\n100.5 63 2.0 0.0\n",
+    );
     let log = folder.read();
     assert_eq!(log.velocities.iter().map(|v| v.forward_m_s).collect::<Vec<_>>(), [0.1, 0.3]);
     assert_eq!(log.sightings.iter().map(|s| s.range_m).collect::<Vec<_>>(), [2.0]);

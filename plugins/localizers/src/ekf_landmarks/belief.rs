@@ -108,8 +108,8 @@ impl Belief {
         }
         // Joseph's form: a sum of two products with their transposes cannot become negative by rounding.
         let left = StateMatrix::identity() - step.gain * step.by_state;
-        self.covariance = left * self.covariance * left.transpose()
-            + step.gain * step.noise * step.gain.transpose();
+        self.covariance =
+            left * self.covariance * left.transpose() + step.gain * step.noise * step.gain.transpose();
         self.mean = step.mean;
         self.tidy();
         true

@@ -82,8 +82,7 @@ impl Tracker {
         at: Option<(Pose2, Matrix3<f64>)>,
         odom_from_base: Pose2,
     ) -> Tracker {
-        let belief =
-            at.map(|(pose, covariance)| Belief::at(&pose, &covariance, settings.scale_deviations));
+        let belief = at.map(|(pose, covariance)| Belief::at(&pose, &covariance, settings.scale_deviations));
         Tracker {
             settings,
             belief,
@@ -109,9 +108,8 @@ impl Tracker {
 
     /// How sure it is.
     pub fn status(&self) -> Status {
-        let sure = |belief: &Belief| {
-            self.settings.sureness.status(&belief.pose_covariance(), self.n_refused_in_row)
-        };
+        let sure =
+            |belief: &Belief| self.settings.sureness.status(&belief.pose_covariance(), self.n_refused_in_row);
         self.belief.as_ref().map_or(Status::Lost, sure)
     }
 
@@ -165,13 +163,7 @@ impl Tracker {
     }
 
     /// Marks that a sensor saw at a time.
-    pub fn take_marks(
-        &mut self,
-        stamp: Time,
-        base_from_sensor: &Pose3,
-        seen: &Marks,
-        known: &KnownMarks,
-    ) {
+    pub fn take_marks(&mut self, stamp: Time, base_from_sensor: &Pose3, seen: &Marks, known: &KnownMarks) {
         let Some(now_from_then) = self.now_from_then(stamp) else {
             self.counts.n_untimely += seen.marks.len() as u32;
             return;

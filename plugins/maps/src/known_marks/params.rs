@@ -24,6 +24,9 @@ impl Params for KnownMarksParams {
         if value.is_finite() && value >= 0.0 {
             return Vec::new();
         }
-        vec![BuildError::at("least_deviation_m", format!("is {value}, expected a finite length of at least 0"))]
+        vec![BuildError::at(
+            "least_deviation_m",
+            format!("is {value}, expected a finite length of at least 0"),
+        )]
     }
 }

@@ -78,9 +78,8 @@ mod tests {
         assert!((share(count(|mark| mark.identity.is_none()), n_read) - 0.2).abs() < 0.011);
         assert!((share(count(|mark| mark.identity == Some(6)), n_read) - 0.025).abs() < 0.005);
         assert!((share(count(|mark| mark.identity == Some(8)), n_read) - 0.025).abs() < 0.005);
-        let deviation = |of: fn(&Mark) -> f64| {
-            (read.iter().map(|mark| of(mark).powi(2)).sum::<f64>() / n_read).sqrt()
-        };
+        let deviation =
+            |of: fn(&Mark) -> f64| (read.iter().map(|mark| of(mark).powi(2)).sum::<f64>() / n_read).sqrt();
         assert!((deviation(|mark| mark.range_m - 5.0) / 0.1 - 1.0).abs() < 0.02);
         assert!((deviation(|mark| mark.bearing_rad - 0.3) / 0.02 - 1.0).abs() < 0.02);
     }

@@ -86,7 +86,12 @@ impl Params for MarkCameraParams {
             expect((0.0..=1.0).contains(&value), key, value, "a share from 0 to 1");
         }
         let both = self.wrong_identity_share + self.unknown_identity_share;
-        expect(!(both > 1.0), "unknown_identity_share", self.unknown_identity_share, "at most 1 with wrong_identity_share");
+        expect(
+            !(both > 1.0),
+            "unknown_identity_share",
+            self.unknown_identity_share,
+            "at most 1 with wrong_identity_share",
+        );
         faults
     }
 }

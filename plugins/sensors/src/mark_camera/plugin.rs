@@ -27,11 +27,7 @@ pub struct MarkCamera {
 
 impl Plugin<dyn Sensor> for MarkCameraParams {
     fn manifest(&self) -> Manifest {
-        Manifest {
-            produces: vec![ObservationKind::Marks],
-            default_rate_hz: Some(5.0),
-            ..Manifest::default()
-        }
+        Manifest { produces: vec![ObservationKind::Marks], default_rate_hz: Some(5.0), ..Manifest::default() }
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Sensor>, BuildError> {
@@ -75,7 +71,8 @@ impl Sensor for MarkCamera {
         } else {
             Vec::new()
         };
-        let range_deviation_m = self.params.range_deviation_m + self.params.range_share * mean_range_m(&marks);
+        let range_deviation_m =
+            self.params.range_deviation_m + self.params.range_share * mean_range_m(&marks);
         // A picture without a mark tells something, too.
         let seen = Marks { marks, range_deviation_m, bearing_deviation_rad: self.noise.bearing_rad };
         out.push(Observation {

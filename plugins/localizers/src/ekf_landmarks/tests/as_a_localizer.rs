@@ -2,7 +2,9 @@
 
 use rumbo_core::frames::{Pose3, Twist, lift};
 use rumbo_core::map::{Landmark, Landmarks, Map};
-use rumbo_core::messages::{Data, Estimate, Mark, Marks, Observation, Odometry, Prior, Seen, SensorId, Status};
+use rumbo_core::messages::{
+    Data, Estimate, Mark, Marks, Observation, Odometry, Prior, Seen, SensorId, Status,
+};
 use rumbo_core::registry::{Built, Params, Plugin, Registry, Stage};
 use rumbo_core::stages::{BuildContext, Cx, LocalizeError, Localizer};
 use rumbo_core::time::Time;

@@ -9,7 +9,8 @@ fn what_is_expected_of_a_mark_changes_as_differences_say() {
     let mut rng = rng::stream(11, "jacobians");
     for _ in 0..500 {
         let mut number = |most: f64| rng.random_range(-most..most);
-        let (pose, camera) = (pose2(number(5.0), number(5.0), number(3.1)), pose2(number(0.5), number(0.5), number(3.1)));
+        let (pose, camera) =
+            (pose2(number(5.0), number(5.0), number(3.1)), pose2(number(0.5), number(0.5), number(3.1)));
         let at = Point2::new(number(5.0), number(5.0));
         let of = |dx: f64, dy: f64, dyaw: f64, mx: f64, my: f64| {
             let Pose2 { translation, rotation } = pose;

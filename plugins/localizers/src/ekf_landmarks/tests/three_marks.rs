@@ -5,7 +5,12 @@ use super::*;
 
 const DEVIATIONS: [f64; 2] = [0.05, 0.01];
 
-fn sightings(truth: &Pose2, marks: &[KnownMark], deviations: [f64; 2], rng: &mut Rng) -> Vec<(Sighting, KnownMark)> {
+fn sightings(
+    truth: &Pose2,
+    marks: &[KnownMark],
+    deviations: [f64; 2],
+    rng: &mut Rng,
+) -> Vec<(Sighting, KnownMark)> {
     let camera = pose2(0.1, 0.02, -0.4);
     marks.iter().map(|mark| (seen(truth, &camera, mark, deviations, rng), *mark)).collect()
 }

@@ -33,8 +33,7 @@ const MOUNT: Pose3 = Pose3 {
     rotation: nalgebra::Unit::new_unchecked(nalgebra::Quaternion::new(1.0, 0.0, 0.0, 0.0)),
     translation: nalgebra::Translation3::new(0.0, 0.0, 0.0),
 };
-const MARKS: Probe<'_> =
-    Probe::Marks { base_from_sensor: &MOUNT, field_of_view_rad: 1.0, max_range_m: 8.0 };
+const MARKS: Probe<'_> = Probe::Marks { base_from_sensor: &MOUNT, field_of_view_rad: 1.0, max_range_m: 8.0 };
 
 #[test]
 fn the_odometer_adds_velocities_up_to_where_the_robot_truly_was() {
@@ -53,7 +52,10 @@ fn the_odometer_adds_velocities_up_to_where_the_robot_truly_was() {
             let Data::Odometry(odometry) = observation.data else { panic!("no odometry") };
             let truth = rumbo_core::frames::flatten(&world.truth().unwrap().map_from_base);
             let off = truth.inverse() * (start * odometry.odom_from_base);
-            assert!(off.translation.vector.norm() < 1e-5 && off.rotation.angle().abs() < 1e-5, "{n_readings}");
+            assert!(
+                off.translation.vector.norm() < 1e-5 && off.rotation.angle().abs() < 1e-5,
+                "{n_readings}"
+            );
         }
     }
     assert_eq!(n_readings, 800);
@@ -68,7 +70,8 @@ fn marks_are_seen_where_the_landmarks_are_and_robots_are_left_out() {
     let (mut n_marks, mut n_in_one) = (0, 0);
     while world.advance(world.next_recorded().unwrap()) != Ok(Advance::Ended) {
         for observation in recorded(world.as_mut(), &MARKS) {
-            let Data::Marks(Marks { marks, range_deviation_m, bearing_deviation_rad }) = observation.data else {
+            let Data::Marks(Marks { marks, range_deviation_m, bearing_deviation_rad }) = observation.data
+            else {
                 panic!("no marks")
             };
             assert!(range_deviation_m > 0.0 && bearing_deviation_rad > 0.0);
