@@ -6,8 +6,8 @@ mod compare;
 mod emulate;
 mod eval;
 mod help;
-#[cfg(unix)]
 mod marks;
+#[cfg(unix)]
 mod new;
 mod plot;
 mod plugins;
