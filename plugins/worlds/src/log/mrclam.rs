@@ -14,9 +14,9 @@ use super::truth::KnownTruth;
 /// Errors of the odometer: m/m, rad/m, rad/rad. Measured on data set 7: what is left of windows of one second against
 /// the motion capture, after the constant errors of the scales (0.87 to 0.91 of the way, 0.94 of the turn) are taken off.
 const ODOMETER_NOISE: [f64; 3] = [0.05, 0.05, 0.1];
-/// Standard deviations of range (m) and bearing (rad), measured likewise: 0.07 to 0.18 m, which grows with the range, and
-/// 0.008 to 0.018 rad, with some tubes off by more.
-const MARK_DEVIATIONS: [f64; 2] = [0.15, 0.03];
+/// Standard deviations of range (m) and bearing (rad), measured likewise for its robots 1 to 3: 0.07 to 0.18 m, which grows
+/// with the range, and 0.007 to 0.018 rad.
+const MARK_DEVIATIONS: [f64; 2] = [0.15, 0.01];
 
 /// What an MRCLAM folder has recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

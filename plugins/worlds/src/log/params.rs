@@ -25,7 +25,7 @@ pub const TRUTH_INSIDE: &str = "log";
 /// `RobotN_Groundtruth.dat`, `Landmark_Groundtruth.dat` and `Barcodes.dat`, plain or gzip. Its channels are `odometry`
 /// (the commanded velocities, added up) and `marks`; the identity of a mark is the landmark's subject number. Other
 /// robots, which move, are left out. The errors that it claims were measured on its data set 7: 5 cm and 0.05 rad over
-/// one meter, 0.1 rad over one radian, 0.15 m of range and 0.03 rad of bearing.
+/// one meter, 0.1 rad over one radian, 0.15 m of range and 0.01 rad of bearing.
 ///
 /// Time begins at the first stamp of the log. Records that are up to 2 s out of order are sorted by their stamps; what is
 /// farther out of order, or has the stamp of the record before it in its channel, is left out and counted. Lines that
