@@ -4,9 +4,9 @@ use super::law::Trouble;
 use super::text_world::TextWorld;
 use super::turn::Turn;
 use rumbo_core::boundary::Buffer;
-use rumbo_core::frames::{Pose2, Pose3, Twist, pose2};
+use rumbo_core::frames::{Point2, Pose2, Pose3, Twist, pose2};
 use rumbo_core::messages::{
-    Data, LaserScan, Observation, ObservationKind, Odometry, PositionFix, RangeRing, SensorId,
+    Data, LaserScan, Mark, Marks, Observation, ObservationKind, Odometry, PositionFix, RangeRing, SensorId,
 };
 use rumbo_core::time::Time;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -20,11 +20,12 @@ pub const N_FRAMES: usize = 150;
 /// Reach of the laser, meters.
 pub const MAX_RANGE_M: f64 = 15.0;
 /// What a drive has.
-pub const KINDS: [ObservationKind; 4] = [
+pub const KINDS: [ObservationKind; 5] = [
     ObservationKind::Odometry,
     ObservationKind::LaserScan,
     ObservationKind::RangeRing,
     ObservationKind::PositionFix,
+    ObservationKind::Marks,
 ];
 
 /// One moment.
@@ -95,6 +96,7 @@ pub fn frame_at(
             position_m: [translation.x, translation.y, 0.0],
             deviation_m: [0.02; 3],
         }),
+        Data::Marks(marks(world, &map_from_base)),
     ];
     let seen = (0..).zip(seen).map(|(sensor, data)| observation(sensor, now, data)).collect();
     Frame { now, map_from_base, odom_from_base, seen }
@@ -117,6 +119,21 @@ fn scan(world: &TextWorld, map_from_base: &Pose2) -> LaserScan {
         ranges_m: (0..181).map(range).collect::<Vec<f32>>().into(),
         ..LaserScan::default()
     }
+}
+
+/// The marks that nothing hides from a camera that looks ahead, without noise.
+fn marks(world: &TextWorld, map_from_base: &Pose2) -> Marks {
+    const HALF_VIEW_RAD: f64 = 1.0;
+    let in_view = |(identity, at): &(u32, Point2)| {
+        let seen = map_from_base.inverse() * at;
+        let (range_m, bearing_rad) = (seen.coords.norm(), seen.y.atan2(seen.x));
+        let along = map_from_base * pose2(0.0, 0.0, bearing_rad);
+        let is_seen =
+            bearing_rad.abs() <= HALF_VIEW_RAD && world.range_m(&along, MAX_RANGE_M) >= range_m - 0.05;
+        is_seen.then_some(Mark { identity: Some(*identity), range_m, bearing_rad })
+    };
+    let marks = world.marks.iter().filter_map(in_view).collect();
+    Marks { marks, range_deviation_m: 0.05, bearing_deviation_rad: 0.02 }
 }
 
 /// Sixteen sonars around the hull: the nearest of seven rays each.

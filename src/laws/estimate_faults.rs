@@ -9,7 +9,7 @@ use nalgebra::Matrix3;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Pose2, Twist, pose2};
 use rumbo_core::map::Map;
-use rumbo_core::messages::{Data, LaserScan, Observation, Odometry, Prior};
+use rumbo_core::messages::{Data, LaserScan, Mark, Marks, Observation, Odometry, Prior};
 
 pub const NOTHING_NEW: Law = Law::new("it survives an update with nothing new", nothing_new);
 pub const NOT_STARTED: Law =
@@ -101,7 +101,22 @@ fn odd() -> Vec<(&'static str, Data)> {
             ..LaserScan::default()
         })
     };
+    let mark = |range_m: f64, bearing_rad: f64| {
+        let marks = vec![Mark { identity: Some(1), range_m, bearing_rad }];
+        Data::Marks(Marks { marks, range_deviation_m: 0.05, bearing_deviation_rad: 0.02 })
+    };
+    let unknown = Mark { identity: Some(u32::MAX), range_m: 1.0, bearing_rad: 0.0 };
     vec![
+        ("no marks", Data::Marks(Marks::default())),
+        (
+            "a mark of nowhere, without deviation",
+            Data::Marks(Marks { marks: vec![unknown], ..Marks::default() }),
+        ),
+        ("a mark at NaN", mark(f64::NAN, 0.0)),
+        ("a mark with a bearing of NaN", mark(1.0, f64::NAN)),
+        ("a mark at 0 m", mark(0.0, 0.0)),
+        ("a mark at -1 m", mark(-1.0, 0.0)),
+        ("a mark at 1e300 m", mark(1e300, 1e300)),
         ("odometry of NaN", odometry(pose2(f64::NAN, 0.0, 0.0), Twist::ZERO)),
         ("odometry with a heading of NaN", odometry(pose2(0.0, 0.0, f64::NAN), Twist::ZERO)),
         ("odometry of 1e300 m", odometry(pose2(1e300, -1e300, 0.0), Twist::ZERO)),
@@ -129,7 +144,11 @@ fn odd_readings(subject: &Subject) -> Verdict {
             let spoiled: Vec<Observation>;
             let is_odd = (5..8).contains(&k);
             let seen = if is_odd {
-                let sensor = u16::from(!matches!(data, Data::Odometry(_)));
+                let sensor = match data {
+                    Data::Odometry(_) => 0,
+                    Data::Marks(_) => 4,
+                    _ => 1,
+                };
                 spoiled = vec![observation(sensor, frame.now, data.clone())];
                 &spoiled
             } else {

@@ -40,7 +40,7 @@ impl Tracker {
             let stage = Either::Slam(subject.build_in(context)?);
             return Ok(Tracker { stage, map: Map::default(), trace });
         }
-        subject.needs_only(&[Layer::Grid, Layer::Lines])?;
+        subject.needs_only(&[Layer::Grid, Layer::Lines, Layer::Landmarks])?;
         let stage = Either::Localizer(subject.build_in(context)?);
         Ok(Tracker { stage, map: drive.world.map(), trace })
     }

@@ -4,6 +4,7 @@ use super::drive::{Drive, N_FRAMES};
 use super::law::Trouble;
 use super::text_world::TextWorld;
 use super::turn::Turn;
+use rumbo_core::frames::Point2;
 use rumbo_core::map::{Cell, CellClass};
 use rumbo_core::messages::Data;
 use std::fmt::Write as _;
@@ -40,6 +41,11 @@ impl Props {
     /// The map_server file of the hall, seen from this side.
     pub fn map(&self, turn: Turn) -> Option<PathBuf> {
         self.folder.as_ref().map(|folder| folder.join(format!("{}.yaml", file_name(turn))))
+    }
+
+    /// The world file of the hall with its marks, seen from this side.
+    pub fn world(&self, turn: Turn) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(format!("{}.toml", file_name(turn))))
     }
 
     /// The recording of the drive through the hall.
@@ -79,6 +85,7 @@ fn write_all(folder: &Path) -> io::Result<()> {
             world.grid.resolution_m()
         );
         std::fs::write(folder.join(format!("{name}.yaml")), yaml)?;
+        std::fs::write(folder.join(format!("{name}.toml")), world_file(name, &world))?;
     }
     let drive = Drive::seen_from(Turn::None).map_err(own)?;
     std::fs::write(folder.join("drive.clf"), log(&drive))
@@ -98,6 +105,15 @@ fn picture(world: &TextWorld) -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// The map with marks on its walls.
+fn world_file(name: &str, world: &TextWorld) -> String {
+    let mark = |(identity, at): &(u32, Point2)| {
+        format!("[[mark]]\nid = {identity}\nat = [{:.6}, {:.6}]\n", at.x, at.y)
+    };
+    let marks: String = world.marks.iter().map(mark).collect();
+    format!("map = \"{name}.yaml\"\n{marks}")
 }
 
 /// A CARMEN log, with the true poses inside its laser messages.

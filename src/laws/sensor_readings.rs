@@ -113,7 +113,7 @@ fn hall(subject: &Subject, turn: Turn) -> Result<Box<dyn World>, Trouble> {
     let none = |why: String| Trouble::not_applicable(format!("there is no simulated hall: {why}"));
     let registry = Registry::linked().map_err(|error| none(error.to_string()))?;
     let sim = registry.get(Stage::World, "sim").ok_or_else(|| none("no world `sim`".into()))?;
-    let map = subject.props.map(turn).ok_or_else(|| none("its map cannot be written".into()))?;
+    let map = subject.props.world(turn).ok_or_else(|| none("its map cannot be written".into()))?;
     let start = TextWorld::hall()?.turned(turn)?.start;
     let numbers = [
         ("x_m", start.translation.x),

@@ -94,7 +94,7 @@ impl Subject {
         BuildContext {
             robot: Arc::new(self.robot()),
             seed: Self::SEED,
-            world_map: self.props.map(Turn::None),
+            world_map: self.props.world(Turn::None),
             world_recording: recording,
             wanted_layers: self.manifest().gives_layers,
             ..BuildContext::bare(self.entry.stage.section())

@@ -4,7 +4,7 @@ use super::law::Trouble;
 use super::turn::Turn;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Pose2, pose2};
-use rumbo_core::map::{Cell, CellClass, Grid, Line, Lines, Map};
+use rumbo_core::map::{Cell, CellClass, Grid, Landmark, Landmarks, Line, Lines, Map};
 use rumbo_core::messages::Goal;
 use rumbo_kit::GridSize;
 use rumbo_kit::map_file::{MapImage, UNKNOWN};
@@ -76,6 +76,16 @@ pub const OPEN: &str = "
 /// Shorter pieces of wall are no lines of the map, meters.
 const SHORTEST_LINE_M: f64 = 0.3;
 
+/// Marks on the walls of [`HALL`]: identity, and place in meters, a hair before the wall.
+pub const HALL_MARKS: [(u32, [f64; 2]); 6] = [
+    (1, [9.49, 2.0]),
+    (2, [9.49, 4.2]),
+    (3, [5.2, 5.49]),
+    (4, [7.0, 0.51]),
+    (5, [0.51, 4.5]),
+    (6, [2.0, 0.51]),
+];
+
 /// A drawn world: `#` occupied, `?` unknown, `S` start, `G` goal, anything else free.
 #[derive(Debug, Clone)]
 pub struct TextWorld {
@@ -85,6 +95,8 @@ pub struct TextWorld {
     pub start: Pose2,
     /// Where it shall go.
     pub goal: Goal,
+    /// Marks that a camera can recognize, with their identities.
+    pub marks: Vec<(u32, Point2)>,
     rays: RayGrid,
 }
 
@@ -129,7 +141,8 @@ impl TextWorld {
 
     /// The hall, in cells of 5 cm.
     pub fn hall() -> Result<TextWorld, Trouble> {
-        TextWorld::drawn(HALL, HALL_LETTER_M, 10)
+        let marks = HALL_MARKS.map(|(identity, at)| (identity, Point2::from(at))).to_vec();
+        Ok(TextWorld { marks, ..TextWorld::drawn(HALL, HALL_LETTER_M, 10)? })
     }
 
     /// The open floor, in cells of 5 cm.
@@ -164,7 +177,7 @@ impl TextWorld {
         let occupied: Vec<u8> =
             grid.cells.iter().map(|v| u8::from(grid.class_of(*v) == CellClass::Occupied)).collect();
         let rays = RayGrid::new(GridSize::new(grid.width() as usize, grid.height() as usize), &occupied);
-        TextWorld { grid, start, goal, rays }
+        TextWorld { grid, start, goal, marks: Vec::new(), rays }
     }
 
     /// The same world from another side.
@@ -174,14 +187,16 @@ impl TextWorld {
             position: turn.point(self.goal.position, height_m),
             yaw_rad: self.goal.yaw_rad.map(|yaw| turn.yaw(yaw)),
         };
-        Ok(TextWorld::new(turn.grid(&self.grid)?, turn.pose(&self.start, height_m), goal))
+        let marks = self.marks.iter().map(|(identity, at)| (*identity, turn.point(*at, height_m))).collect();
+        let turned = TextWorld::new(turn.grid(&self.grid)?, turn.pose(&self.start, height_m), goal);
+        Ok(TextWorld { marks, ..turned })
     }
 
     /// The same world with a disc in it.
     pub fn with_disc(&self, middle: Point2, radius_m: f64) -> TextWorld {
         let mut grid = self.grid.clone();
         grid.occupy_disc(middle, radius_m);
-        TextWorld::new(grid, self.start, self.goal)
+        TextWorld { marks: self.marks.clone(), ..TextWorld::new(grid, self.start, self.goal) }
     }
 
     /// From the lower to the upper rim, meters.
@@ -189,10 +204,19 @@ impl TextWorld {
         f64::from(self.grid.height()) * self.grid.resolution_m()
     }
 
-    /// Its map: the grid, and the lines of its walls.
+    /// Its map: the grid, the lines of its walls, and its marks if there are any.
     pub fn map(&self) -> Map {
         let lines = Lines { lines: Buffer::from(self.lines()) };
-        Map { grid: Some(self.grid.clone()), lines: Some(lines), version: 1, ..Map::default() }
+        let landmark = |(identity, at): &(u32, Point2)| Landmark {
+            identity: *identity,
+            position: [at.x, at.y],
+            covariance: [1e-6, 0.0, 1e-6],
+            ..Landmark::default()
+        };
+        let landmarks: Vec<Landmark> = self.marks.iter().map(landmark).collect();
+        let landmarks = (!landmarks.is_empty()).then(|| Landmarks { landmarks: landmarks.into() });
+        let (grid, lines) = (Some(self.grid.clone()), Some(lines));
+        Map { grid, lines, landmarks, version: 1, ..Map::default() }
     }
 
     fn lines(&self) -> Vec<Line> {

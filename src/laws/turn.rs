@@ -114,6 +114,7 @@ impl Turn {
                 *first_bearing_rad = -(*first_bearing_rad + *bearing_step_rad * last);
                 ranges_m.make_mut().reverse();
             }
+            Data::Marks(seen) => seen.marks.iter_mut().for_each(|mark| mark.bearing_rad *= -1.0),
             _ => {}
         }
         turned

@@ -7,6 +7,7 @@ mod emulate;
 mod eval;
 mod help;
 mod map;
+mod marks;
 #[cfg(unix)]
 mod new;
 mod plot;

@@ -28,9 +28,12 @@ fn keep_their_laws(stage: Stage) {
 /// Laws that say nothing of plugins that are shipped, and of which; all where no names are given.
 const NOT_APPLICABLE: [(&str, &[&str]); 6] = [
     ("values outside the ranges of its schema are refused", &[]),
-    ("a world turned or mirrored gives the ranges of the same walls", &["bumper_ring", "wheel_encoders"]),
-    ("a recording is passed on as it is", &["bumper_ring", "sonar_ring"]),
-    ("a world turned or mirrored turns the map with it", &["static_map"]),
+    (
+        "a world turned or mirrored gives the ranges of the same walls",
+        &["bumper_ring", "mark_camera", "steering_encoder", "wheel_encoders"],
+    ),
+    ("a recording is passed on as it is", &["bumper_ring", "mark_camera", "sonar_ring", "steering_encoder"]),
+    ("a world turned or mirrored turns the map with it", &["known_marks", "static_map"]),
     ("a world turned or mirrored turns the estimate with it", &["recorded_pose"]),
     ("an empty map is named where the map is needed", &["odometry", "recorded_pose"]),
 ];

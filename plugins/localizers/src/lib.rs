@@ -1,6 +1,7 @@
 //! Localizers of Rumbo.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod ekf_landmarks;
 pub mod ekf_lines;
 pub mod landmark_noise;
 pub mod landmark_relaxation;

@@ -1,6 +1,6 @@
 //! A world for tests: one straight wall, wheels that say what they are told, or a recording.
 
-use rumbo_core::messages::{Command, Observation, Observations};
+use rumbo_core::messages::{Command, Marks, Observation, Observations};
 use rumbo_core::stages::{Advance, Answer, Drove, Probe, WheelMotion, World, WorldError};
 use rumbo_core::time::Time;
 
@@ -15,6 +15,7 @@ pub(crate) struct TestWorld {
     pub wheels: WheelMotion,
     pub recorded: Option<Vec<Observation>>,
     pub contacts_rad: Vec<f64>,
+    pub marks: Marks,
     /// Sensors shall read their own devices.
     pub is_live: bool,
     ranges_m: Vec<f32>,
@@ -27,6 +28,7 @@ impl TestWorld {
             wheels: WheelMotion::default(),
             recorded: None,
             contacts_rad: Vec::new(),
+            marks: Marks::default(),
             is_live: false,
             ranges_m: Vec::new(),
         }
@@ -74,6 +76,7 @@ impl World for TestWorld {
                 self.ranges_m = bearings_rad.iter().map(range_m).collect();
                 Ok(Answer::Ranges(&self.ranges_m))
             }
+            (Probe::Marks { .. }, None) => Ok(Answer::Marks(&self.marks)),
             (Probe::Contacts, None) => Ok(Answer::Contacts(&self.contacts_rad)),
             _ => Err(WorldError::Unsupported { probe: probe.name() }),
         }

@@ -5,6 +5,7 @@
 
 mod bag;
 mod channel;
+mod mrclam;
 mod odometer;
 mod params;
 mod playback;
@@ -12,7 +13,8 @@ mod plugin;
 mod truth;
 
 pub use bag::{BagPlayback, BagSource};
+pub use mrclam::{MrclamChannel, MrclamPlayback};
 pub use params::{LogParams, LogStart, RecordedChannel, TRUTH_INSIDE};
 pub use playback::Playback;
-pub use plugin::{BagWorld, LogWorld};
+pub use plugin::{BagWorld, LogWorld, MrclamWorld};
 pub use truth::KnownTruth;

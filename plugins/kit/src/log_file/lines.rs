@@ -9,7 +9,7 @@ use flate2::read::MultiGzDecoder;
 use super::error::{Damage, LogError};
 
 /// A longer line is not text, bytes.
-pub(super) const LONGEST_LINE: u64 = 16 << 20;
+pub(crate) const LONGEST_LINE: u64 = 16 << 20;
 
 /// First bytes of every gzip file (RFC 1952).
 const GZIP: [u8; 2] = [0x1f, 0x8b];

@@ -17,7 +17,7 @@ pub struct Steps {
 }
 
 impl Steps {
-    pub(super) fn see(&mut self, stamp: Time, line: u64) {
+    pub(crate) fn see(&mut self, stamp: Time, line: u64) {
         if let Some(last) = self.last.replace(stamp).filter(|last| stamp < *last) {
             if self.n == 0 {
                 self.first_line = line;

@@ -66,7 +66,7 @@ impl Tally {
         sentences
     }
 
-    pub(super) fn count(&mut self, fault: &LineFault) {
+    pub(crate) fn count(&mut self, fault: &LineFault) {
         let first = || Count { n: 0, first: fault.clone() };
         self.faults.entry(fault.kind).or_insert_with(first).n += 1;
     }

@@ -9,24 +9,37 @@ use rumbo_kit::log_file::BeamOverride;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::mrclam::MrclamChannel;
+
 /// The word that stands for the poses inside the log.
 pub const TRUTH_INSIDE: &str = "log";
 
-/// A recording of any size: a run of `rumbo run --record`, a ROS 2 bag (MCAP), or a robot log of CARMEN (`.log`, `.clf`)
-/// or Wean Hall, plain or gzip.
+/// A recording of any size: a run of `rumbo run --record`, a ROS 2 bag (MCAP), a robot log of CARMEN (`.log`, `.clf`)
+/// or Wean Hall, plain or gzip, or one robot of an MRCLAM folder.
 ///
 /// Bags have `sensor_msgs/msg/LaserScan`, `nav_msgs/msg/Odometry`, `sensor_msgs/msg/Imu`, and `tf2_msgs/msg/TFMessage`
 /// for an odometer that speaks in transforms from `odom`. A run of ours brings its start, its map and its true poses
 /// along; its observations come when they arrived.
 ///
+/// An MRCLAM folder (Leung et al. 2011) has tables `RobotN_Odometry.dat`, `RobotN_Measurement.dat`,
+/// `RobotN_Groundtruth.dat`, `Landmark_Groundtruth.dat` and `Barcodes.dat`, plain or gzip. Its channels are `odometry`
+/// (the commanded velocities, added up) and `marks`; the identity of a mark is the landmark's subject number. Other
+/// robots, which move, are left out. The errors that it claims were measured on its data set 7: 5 cm and 0.05 rad over
+/// one meter, 0.1 rad over one radian, 0.15 m of range and 0.01 rad of bearing.
+///
 /// Time begins at the first stamp of the log. Records that are up to 2 s out of order are sorted by their stamps; what is
 /// farther out of order, or has the stamp of the record before it in its channel, is left out and counted. Lines that
 /// cannot be read are skipped and told at the end.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LogParams {
-    /// The log, relative to the pipeline's folder.
+    /// The log, or the folder of an MRCLAM data set, relative to the pipeline's folder.
     pub file: PathBuf,
+    /// Which robot of an MRCLAM folder.
+    pub robot: u32,
+    /// The odometer of an MRCLAM folder tells of the time this much after its stamps, seconds: its velocities are
+    /// commands, and a robot takes a while to obey. In data set 7 that is 0.2 s.
+    pub odometer_delay_s: f64,
     /// The map that belongs to the log: a map_server YAML file or a TOML world file, for plugins without a file of their
     /// own.
     pub map: Option<PathBuf>,
@@ -36,11 +49,12 @@ pub struct LogParams {
     /// sensor gets that one; the same goes for odometry.
     pub channels: BTreeMap<String, String>,
     /// Where an operator would say that the robot stands at the first stamp. Without it: the first true pose if it is
-    /// within 2 s of the first stamp; else, if there is no `map`, the odometer's first pose.
+    /// within 2 s of the first stamp; else, if there is no `map`, the odometer's first pose. An MRCLAM folder has no such
+    /// pose: without `start` and `truth` its robot may be anywhere.
     pub start: Option<LogStart>,
     /// True poses: a file of `t x y theta` lines (absolute stamps in seconds as in the log, meters, radians; plain or
     /// gzip), or the word `log` for the poses inside the log: those of `VERTEX2` lines, else the first pose of each
-    /// laser message.
+    /// laser message; of an MRCLAM folder the robot's `Groundtruth` table.
     pub truth: Option<PathBuf>,
     /// A range of this much or more means that nothing was seen, meters. Without it: what the log says, else 80.
     pub max_range_m: Option<f64>,
@@ -49,6 +63,23 @@ pub struct LogParams {
     /// From one beam to the next, degrees. Without it: what the log says, else 1 for 180 or 181 beams, 0.5 for 360 or
     /// 361, and 180 in all for other numbers of beams.
     pub bearing_step_deg: Option<f64>,
+}
+
+impl Default for LogParams {
+    fn default() -> Self {
+        LogParams {
+            file: PathBuf::new(),
+            robot: 1,
+            odometer_delay_s: 0.0,
+            map: None,
+            channels: BTreeMap::new(),
+            start: None,
+            truth: None,
+            max_range_m: None,
+            first_bearing_deg: None,
+            bearing_step_deg: None,
+        }
+    }
 }
 
 /// A pose on the floor.
@@ -111,6 +142,30 @@ impl LogParams {
         self.channels.iter().map(channel).collect()
     }
 
+    /// The channels of an MRCLAM folder.
+    pub fn mrclam_channels(&self) -> Result<BTreeMap<String, MrclamChannel>, BuildError> {
+        let channel = |(sensor, name): (&String, &String)| {
+            let wrong = || {
+                let message = format!("is `{name}`, expected odometry or marks: this is an MRCLAM folder");
+                BuildError::at(format!("channels.{sensor}"), message)
+            };
+            MrclamChannel::named(name).map(|known| (sensor.clone(), known)).ok_or_else(wrong)
+        };
+        self.channels.iter().map(channel).collect()
+    }
+
+    fn mrclam_faults(&self) -> Vec<BuildError> {
+        let mut faults = Vec::new();
+        if self.robot == 0 {
+            faults.push(BuildError::at("robot", "is 0, expected 1 or more: robots are counted from 1"));
+        }
+        if !(-60.0..=60.0).contains(&self.odometer_delay_s) {
+            let message = format!("is {}, expected seconds from -60 to 60", self.odometer_delay_s);
+            faults.push(BuildError::at("odometer_delay_s", message));
+        }
+        faults
+    }
+
     /// What the user knows of the beams.
     pub fn known(&self) -> BeamOverride {
         BeamOverride {
@@ -127,7 +182,7 @@ impl Params for LogParams {
         if self.file.as_os_str().is_empty() {
             let fault = BuildError::at("file", "is missing, expected the path of a recording");
             faults.push(fault.help(
-                "runs (.mcap), ROS 2 bags (.mcap), CARMEN logs (.log, .clf) and Wean Hall logs are read",
+                "runs (.mcap), ROS 2 bags (.mcap), CARMEN logs (.log, .clf), Wean Hall logs and MRCLAM folders are read",
             ));
         }
         let start = self.start.iter().flat_map(|start| {
@@ -151,6 +206,7 @@ impl Params for LogParams {
                 faults.push(BuildError::at(key, message));
             }
         }
+        faults.extend(self.mrclam_faults());
         faults
     }
 }

@@ -1,8 +1,10 @@
 //! The recording as a world of the framework.
 
 mod bag_world;
+mod mrclam_world;
 
 pub use bag_world::BagWorld;
+pub use mrclam_world::MrclamWorld;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -24,7 +26,7 @@ use super::truth::KnownTruth;
 rumbo_core::register_world!(
     LogParams,
     "log",
-    "a recording: a run, a ROS 2 bag (MCAP), a CARMEN or Wean Hall log, of any size"
+    "a recording: a run, a ROS 2 bag (MCAP), a CARMEN or Wean Hall log, of any size, an MRCLAM folder"
 );
 
 /// A recording.
@@ -47,6 +49,9 @@ impl Plugin<dyn World> for LogParams {
         let map_file = self.map.as_ref().map(|map| context.resolve(map));
         if let Some(map) = map_file.as_ref().filter(|map| !map.is_file()) {
             return Err(BuildError::at("map", format!("{}: there is no such file", map.display())));
+        }
+        if file.is_dir() {
+            return Ok(Box::new(MrclamWorld::build(self, context, file, map_file)?));
         }
         if begins_like_a_bag(&file) {
             return Ok(Box::new(BagWorld::build(self, context, file, map_file)?));
@@ -197,5 +202,7 @@ impl World for LogWorld {
 
 #[cfg(test)]
 mod bag_tests;
+#[cfg(test)]
+mod mrclam_tests;
 #[cfg(test)]
 mod tests;
