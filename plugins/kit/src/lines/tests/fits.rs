@@ -74,7 +74,8 @@ fn fits_are_those_of_the_vectors() {
         let expected = [&case.value["cov"][0][0], &case.value["cov"][0][1], &case.value["cov"][1][1]];
         let size = expected.iter().map(|v| v.as_f64().unwrap().abs()).fold(0.0, f64::max);
         for (found, expected) in found.into_iter().zip(expected) {
-            close(found, expected.as_f64().unwrap(), 1e-9 * size, "covariance");
+            // The bearings of the vectors are rounded to a microradian; the printed expressions are kept to 1e-11.
+            close(found, expected.as_f64().unwrap(), 1e-7 * size, "covariance");
         }
     }
 }
