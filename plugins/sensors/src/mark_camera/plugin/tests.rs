@@ -78,7 +78,8 @@ fn a_recording_is_passed_on_under_the_cameras_own_name() {
 
 #[test]
 fn it_is_no_device_that_could_be_read() {
-    let mut live = TestWorld { is_live: true, ..world(Vec::new()) };
+    let mut live = world(Vec::new());
+    live.is_live = true;
     let error = poll(&MarkCameraParams::default(), &mut live).unwrap_err();
     assert!(matches!(error, SensorError::WrongAnswer { expected: "marks", .. }), "{error}");
 }
