@@ -85,7 +85,7 @@ fn marks_of(text: &str) -> Result<Vec<MarkPlace>, Vec<(usize, String)>> {
         let line = line_at(told.span().start);
         let Told { identity, x_m, y_m, deviation_m } = *told.get_ref();
         for (key, value) in [("x_m", x_m), ("y_m", y_m)] {
-            if !(value.abs() <= FARTHEST_M) {
+            if !(-FARTHEST_M..=FARTHEST_M).contains(&value) {
                 faults.push((
                     line,
                     format!("mark {identity}: {key} is {value}, expected at most {FARTHEST_M} m"),

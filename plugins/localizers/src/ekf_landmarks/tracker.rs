@@ -146,8 +146,8 @@ impl Tracker {
 
     fn is_jump(&self, last: Option<Time>, stamp: Time, step: &Pose2) -> bool {
         let reach_m = self.settings.max_speed[0] * Self::elapsed_s(last, stamp);
-        // Also no number at all is one.
-        !(step.translation.vector.norm() <= self.settings.jump_m + 2.0 * reach_m)
+        let way_m = step.translation.vector.norm();
+        !way_m.is_finite() || way_m > self.settings.jump_m + 2.0 * reach_m
     }
 
     /// The odometer begins anew. The pose stays where it is, but nobody knows what happened meanwhile.

@@ -87,7 +87,7 @@ impl Params for MarkCameraParams {
         }
         let both = self.wrong_identity_share + self.unknown_identity_share;
         expect(
-            !(both > 1.0),
+            both.is_nan() || both <= 1.0,
             "unknown_identity_share",
             self.unknown_identity_share,
             "at most 1 with wrong_identity_share",
