@@ -74,7 +74,7 @@ impl Plugin<dyn Localizer> for EkfLinesParams {
             needs_layers: vec![Layer::Lines],
             consumes: vec![
                 vec![ObservationKind::LaserScan],
-                vec![ObservationKind::WheelSpeeds, ObservationKind::Odometry],
+                vec![ObservationKind::Odometry, ObservationKind::WheelSpeeds],
             ],
             drives: vec![DriveKind::Differential, DriveKind::Tricycle],
             needs_start_pose: true,

@@ -87,7 +87,7 @@ impl Plugin<dyn Slam> for EkfLineSlamParams {
             gives_layers: vec![Layer::Lines],
             consumes: vec![
                 vec![ObservationKind::LaserScan],
-                vec![ObservationKind::WheelSpeeds, ObservationKind::Odometry],
+                vec![ObservationKind::Odometry, ObservationKind::WheelSpeeds],
             ],
             drives: vec![DriveKind::Differential, DriveKind::Tricycle],
             needs_start_pose: true,
