@@ -1,5 +1,6 @@
 //! The scans of the last moments: what light went through then.
 
+use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Pose2};
 use rumbo_core::messages::LaserScan;
 use rumbo_core::time::{Span, Time};
@@ -14,18 +15,26 @@ struct Kept {
     bearing_step_rad: f64,
     min_range_m: f32,
     max_range_m: f32,
-    ranges_m: Vec<f32>,
+    ranges_m: Buffer<f32>,
 }
 
 /// The last scans, the newest at the end.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Past {
     scans: VecDeque<Kept>,
+}
+
+impl Default for Past {
+    fn default() -> Self {
+        Past { scans: VecDeque::with_capacity(Past::USUAL) }
+    }
 }
 
 impl Past {
     /// So long ago is of no interest.
     pub const REACH: Span = Span(1_600_000_000);
+    /// A scanner with 40 scans a second has no more of them in that time.
+    const USUAL: usize = 66;
     /// Half the width around a point that must be free of hits for light to have gone through, meters: a leg and the
     /// noise of the scanner.
     const AROUND_M: f64 = 0.15;
@@ -39,14 +48,11 @@ impl Past {
         self.scans.clear();
     }
 
-    /// Keeps a scan, in the memory of one that is too old.
+    /// Keeps a scan; its ranges are shared.
     pub fn keep(&mut self, stamp: Time, scan: &LaserScan, frame_from_sensor: &Pose2) {
-        let mut ranges_m = Vec::new();
         while self.scans.front().is_some_and(|old| stamp - old.stamp > Self::REACH) {
-            ranges_m = self.scans.pop_front().map(|old| old.ranges_m).unwrap_or_default();
+            self.scans.pop_front();
         }
-        ranges_m.clear();
-        ranges_m.extend_from_slice(&scan.ranges_m);
         self.scans.push_back(Kept {
             stamp,
             sensor_from_frame: frame_from_sensor.inverse(),
@@ -54,7 +60,7 @@ impl Past {
             bearing_step_rad: scan.bearing_step_rad,
             min_range_m: scan.min_range_m,
             max_range_m: scan.max_range_m,
-            ranges_m,
+            ranges_m: scan.ranges_m.clone(),
         });
     }
 
