@@ -152,6 +152,8 @@ fn every_shipped_world_loads_and_a_robot_can_stand_in_it() {
         ("dc_office.toml", start(-3.97, -4.0, 90.0)),
         ("dc_arena.toml", start(0.0, 0.0, 57.0)),
         ("fc_warehouse.toml", start(18.0, 6.0, 0.0)),
+        ("forklift_hall.toml", start(19.5, 10.0, 90.0)),
+        ("two_rooms_marks.toml", start(2.0, 2.0, 0.0)),
         ("rubble_loop.toml", start(-5.5, -4.6, 0.0)),
         ("rubble_loop_dense.toml", start(-5.5, -4.6, 0.0)),
         ("natural_landmark_5x5.yaml", start(2.0, 2.0, 0.0)),
