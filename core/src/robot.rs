@@ -250,6 +250,17 @@ impl Robot {
         self.max_turn_accel_deg_s2.to_radians()
     }
 
+    /// From the reading that says so to a standstill, meters: the way of a reaction and of the brakes.
+    pub fn stopping_m(&self, speed_m_s: f64) -> f64 {
+        speed_m_s.powi(2) / (2.0 * self.braking_m_s2) + speed_m_s * self.guard.latency_s
+    }
+
+    /// The fastest speed that stops within `free_m`, 0 or more: the inverse of [`stopping_m`](Self::stopping_m).
+    pub fn stops_within_m_s(&self, free_m: f64) -> f64 {
+        let (b, latency_s) = (self.braking_m_s2, self.guard.latency_s);
+        b * ((latency_s.powi(2) + 2.0 * free_m / b).sqrt() - latency_s)
+    }
+
     /// Every impossible number: the key below `[robot]`, and what is wrong.
     pub fn faults(&self) -> Vec<(String, String)> {
         let mut faults = Vec::new();

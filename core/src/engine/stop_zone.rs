@@ -36,7 +36,7 @@ impl StopZone {
         let hull = robot.hull();
         // A second of the fastest motion beyond the longest stop covers the age of a reading.
         let reach_m = hull.outer_radius_m()
-            + stopping_m(robot.max_speed_m_s, robot)
+            + robot.stopping_m(robot.max_speed_m_s)
             + robot.guard.margin_m
             + robot.max_speed_m_s
             + Self::STEP_M;
@@ -102,12 +102,12 @@ impl StopZone {
         }
         // Speed of the fastest point of the hull: what brakes have to stop.
         let hull_m_s = twist.speed_m_s() + twist.turn_rad_s.abs() * self.swing_m(twist);
-        let needed_m = stopping_m(hull_m_s, robot);
+        let needed_m = robot.stopping_m(hull_m_s);
         let free_m = self.free_m(twist, hull_m_s, needed_m, robot.guard.margin_m);
         if free_m >= needed_m {
             return twist;
         }
-        let factor = allowed_m_s(free_m, robot) / hull_m_s;
+        let factor = robot.stops_within_m_s(free_m) / hull_m_s;
         // Creeping at a fraction of a millimeter per second is standing.
         if factor * hull_m_s < 1e-3 { Twist::ZERO } else { twist.scaled(factor) }
     }
@@ -142,15 +142,4 @@ impl StopZone {
         }
         free_m.max(needed_m)
     }
-}
-
-/// Way from the reading to standstill, meters.
-fn stopping_m(speed_m_s: f64, robot: &Robot) -> f64 {
-    speed_m_s.powi(2) / (2.0 * robot.braking_m_s2) + speed_m_s * robot.guard.latency_s
-}
-
-/// The fastest speed that stops within `free_m`: the inverse of [`stopping_m`].
-fn allowed_m_s(free_m: f64, robot: &Robot) -> f64 {
-    let (b, latency_s) = (robot.braking_m_s2, robot.guard.latency_s);
-    b * ((latency_s.powi(2) + 2.0 * free_m / b).sqrt() - latency_s)
 }

@@ -30,6 +30,7 @@ pub mod proximity;
 pub mod ray;
 pub mod recording;
 pub mod relations;
+pub mod seal;
 pub mod segment;
 pub mod simd;
 mod small_file;

@@ -14,9 +14,10 @@ mod split;
 #[cfg(test)]
 mod tests;
 
+pub use crate::landmarks::BeamFan;
 pub use extractor::LineExtractor;
 pub use fit::{LineFit, fit};
-pub use points::{BeamFan, Points};
+pub use points::Points;
 
 /// A line piece in the frame of the sensor that saw it: `{p : p . n = rho}` with `n = (cos phi, sin phi)`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -29,6 +29,31 @@ impl Seat {
         }
     }
 
+    /// Asks the world, and takes from its answer what the sensor needs; nothing where the world gave a recording, which is
+    /// passed on. `take` gives nothing for an answer that is not what was `expected`.
+    pub fn ask<T>(
+        &self,
+        world: &mut dyn World,
+        probe: &Probe<'_>,
+        expected: &'static str,
+        out: &mut Observations,
+        take: impl FnOnce(&Answer<'_>) -> Option<T>,
+    ) -> Result<Option<T>, SensorError> {
+        match world.probe(probe) {
+            Ok(Answer::Recorded(recorded)) => {
+                self.pass_on(recorded, out);
+                Ok(None)
+            }
+            Ok(answer) => {
+                take(&answer).map(Some).ok_or(SensorError::WrongAnswer { expected, found: answer.name() })
+            }
+            Err(unanswered @ WorldError::Unsupported { .. }) => {
+                self.ask_recording(world, unanswered, out).map(|()| None)
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
     /// After a world had no answer to the sensor's own probe: asks for the recorded channel of its name.
     pub fn ask_recording(
         &self,

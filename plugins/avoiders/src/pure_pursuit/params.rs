@@ -148,8 +148,7 @@ impl PurePursuitParams {
     /// Numbers of the look ahead for a robot.
     pub fn way(&self, robot: &Robot) -> WayTuning {
         let clearance_m = self.clearance_m.max(robot.guard.margin_m);
-        let stop_m = robot.max_speed_m_s.powi(2) / (2.0 * robot.braking_m_s2)
-            + robot.max_speed_m_s * robot.guard.latency_s;
+        let stop_m = robot.stopping_m(robot.max_speed_m_s);
         WayTuning {
             hull: robot.hull(),
             clearance_m,

@@ -3,8 +3,8 @@
 use super::PurePursuitParams;
 use super::pursuit::{Motion, Pursuit};
 use super::way_ahead::{Free, WayAhead};
-use crate::stop_and_replan::progress::Progress;
-use crate::stop_and_replan::sightings::Sightings;
+use crate::progress::Progress;
+use crate::sightings::Sightings;
 use rumbo_core::frames::{Pose2, Twist, flatten, is_finite2};
 use rumbo_core::messages::{Check, MessageFault, ObservationKind};
 use rumbo_core::registry::{Manifest, Plugin};
@@ -26,7 +26,7 @@ pub struct PurePursuit {
     way: WayAhead,
     sightings: Sightings,
     progress: Progress,
-    braking: Brakes,
+    caution: Caution,
     following: Option<u64>,
     /// The path is blocked, and this was said.
     is_blocked: bool,
@@ -35,23 +35,15 @@ pub struct PurePursuit {
     listening_since: Option<Time>,
 }
 
-/// What a stop needs.
+/// How near things slow the robot.
 #[derive(Debug, Clone, Copy)]
-struct Brakes {
-    braking_m_s2: f64,
-    latency_s: f64,
+struct Caution {
     least_m_s: f64,
     slow_within_m: f64,
     clearance_m: f64,
 }
 
-impl Brakes {
-    /// The fastest speed at which the robot stops within so far: `v * latency + v² / (2 * braking)`.
-    fn stops_within_m_s(&self, free_m: f64) -> f64 {
-        let (a, t) = (self.braking_m_s2, self.latency_s);
-        ((a * t).powi(2) + 2.0 * a * free_m.max(0.0)).sqrt() - a * t
-    }
-
+impl Caution {
     /// How much of the speed is left beside something this near.
     fn beside_m_s(&self, beside_m: f64, wanted_m_s: f64) -> f64 {
         let room_m = (beside_m - self.clearance_m).max(0.0);
@@ -72,9 +64,7 @@ impl PurePursuit {
     pub fn new(params: &PurePursuitParams, robot: &Robot) -> PurePursuit {
         let way = params.way(robot);
         let keep_m = robot.hull().outer_radius_m() + way.reach_m + way.beside_m + Self::MARGIN_M;
-        let braking = Brakes {
-            braking_m_s2: robot.braking_m_s2,
-            latency_s: robot.guard.latency_s,
+        let caution = Caution {
             least_m_s: params.least_m_s,
             slow_within_m: params.slow_within_m,
             clearance_m: way.clearance_m,
@@ -85,7 +75,7 @@ impl PurePursuit {
             sightings: Sightings::new(keep_m),
             progress: Progress::new(Span::from_secs(params.stuck_after_s)),
             params: params.clone(),
-            braking,
+            caution,
             following: None,
             is_blocked: false,
             standing_since: None,
@@ -153,11 +143,8 @@ impl PurePursuit {
         if !self.has_fresh_readings(now)? {
             return Ok(self.stand());
         }
-        let left_m = self.pursuit.route().left_m().max(Self::NO_WAY_M);
         let Free { along_m, beside_m } = self.way.free(wanted);
-        // What is beyond the end of the path needs no brakes.
-        let is_closed = along_m < Self::NO_WAY_M.min(left_m);
-        if is_closed {
+        if along_m < Self::NO_WAY_M {
             let since = *self.standing_since.get_or_insert(now);
             if now - since >= Span::from_secs(self.params.wait_s) {
                 return Ok(self.block(wanted, input));
@@ -167,7 +154,7 @@ impl PurePursuit {
         self.standing_since = None;
         let wanted_m_s = wanted.forward_m_s.abs();
         let allowed_m_s =
-            self.braking.stops_within_m_s(along_m).min(self.braking.beside_m_s(beside_m, wanted_m_s));
+            input.robot.stops_within_m_s(along_m).min(self.caution.beside_m_s(beside_m, wanted_m_s));
         let twist = wanted.scaled((allowed_m_s / wanted_m_s.max(1e-9)).min(1.0));
         if self.progress.is_stuck(now, twist, odom_from_base) {
             return Ok(self.block(wanted, input));

@@ -103,11 +103,6 @@ impl Pursuit {
         Pursuit { tuning, route: Route::default(), gait: Gait::Ahead, backed_m: 0.0, come_m: 0.0, last: None }
     }
 
-    /// The path that is followed.
-    pub fn route(&self) -> &Route {
-        &self.route
-    }
-
     /// Begins a path.
     pub fn follow(&mut self, path: &rumbo_core::messages::Path) {
         self.route.follow(path);

@@ -3,7 +3,7 @@
 use super::pursuit::{Motion, Pursuit};
 use super::way_ahead::{WayAhead, WayTuning};
 use super::*;
-use crate::stop_and_replan::sightings::Sightings;
+use crate::sightings::Sightings;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Pose2, Pose3, Twist, pose2};
 use rumbo_core::messages::{Data, LaserScan, Observation, Path, PathPoint, SensorId};

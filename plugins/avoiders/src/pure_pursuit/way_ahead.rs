@@ -1,7 +1,7 @@
 //! What is in the way along an arc: how far the hull goes until something is too near.
 
-use crate::stop_and_replan::explained::is_near_occupied;
-use crate::stop_and_replan::sightings::Sightings;
+use crate::explained::is_near_occupied;
+use crate::sightings::Sightings;
 use rumbo_core::frames::{Point2, Pose2, Twist};
 use rumbo_core::map::Grid;
 use rumbo_core::messages::Obstacle;

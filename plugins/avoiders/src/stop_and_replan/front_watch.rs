@@ -1,7 +1,7 @@
 //! The watch in front of the driving robot, and what it says is in the way (Hernández Alamilla 2005, section 6.2).
 
-use super::explained::{is_near_occupied, is_occupied_in_cone};
-use super::sightings::{Sighting, Sightings, Source};
+use crate::explained::{is_near_occupied, is_occupied_in_cone};
+use crate::sightings::{Sighting, Sightings, Source};
 use rumbo_core::frames::{Point2, Pose2, wrap_angle};
 use rumbo_core::map::Grid;
 use rumbo_core::messages::Obstacle;

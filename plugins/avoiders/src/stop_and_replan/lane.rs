@@ -2,7 +2,7 @@
 //! a wall is near, the robot gives way before the guard has to hold it.
 
 use super::front_watch::Scene;
-use super::sightings::{Sightings, Source};
+use crate::sightings::{Sightings, Source};
 
 /// Sideways moves, to the left, that leave room on both sides: from `lowest_m` to `highest_m`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,6 @@
 //! Whether the readings are fresh enough to drive by.
 
-use super::sightings::{Sightings, Source};
+use crate::sightings::{Sightings, Source};
 use rumbo_core::stages::AvoidError;
 use rumbo_core::time::{Span, Time};
 

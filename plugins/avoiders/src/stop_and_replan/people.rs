@@ -8,8 +8,8 @@ pub mod waiting;
 
 pub use params::PeopleParams;
 
-use super::explained::is_near_occupied;
 use super::front_watch::Scene;
+use crate::explained::is_near_occupied;
 use encounter::{Encounter, Manner, Person, Ways};
 use rumbo_core::frames::{Point2, Pose2, Pose3, flatten};
 use rumbo_core::map::Grid;

@@ -2,9 +2,9 @@
 
 use super::cones::{Cone, cones_ahead};
 use super::evidence::{EvidenceTuning, Heard, SonarEvidence};
-use super::explained::{is_near_occupied, is_occupied_in_cone};
 use super::front_watch::Scene;
-use super::sightings::{Sightings, Source};
+use crate::explained::{is_near_occupied, is_occupied_in_cone};
+use crate::sightings::{Sightings, Source};
 use rumbo_core::frames::{Point2, Pose2, wrap_angle};
 use rumbo_core::map::Grid;
 use rumbo_core::messages::{Data, Observation, Obstacle};

@@ -4,6 +4,7 @@ mod by_sound_and_touch;
 mod people;
 
 use super::*;
+use crate::sightings::Sightings;
 use front_watch::Scene;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Pose2, Pose3, Twist, flatten, lift, pose2};
@@ -16,7 +17,6 @@ use rumbo_core::robot::Robot;
 use rumbo_core::stages::{AvoidError, AvoidInput, Avoider, BuildContext, Cx, Steering};
 use rumbo_core::time::{Span, Time};
 use rumbo_core::trace::Trace;
-use sightings::Sightings;
 
 const PERIOD_S: f64 = 0.1;
 

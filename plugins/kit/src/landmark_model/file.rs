@@ -12,6 +12,7 @@ use super::regions::{N_HASHES, RegionIndex};
 use super::surroundings::ModelSettings;
 use crate::GridSize;
 use crate::landmarks::WallFit;
+use crate::seal::{Broken, Reader, Seal};
 use rumbo_core::map::Grid;
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -19,9 +20,9 @@ use std::io::{Read, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-const MAGIC: [u8; 8] = *b"RUMBOLMK";
 /// Goes up with every change of the layout or of what a model of the same map would hold.
 const VERSION: u32 = 2;
+const SEAL: Seal = Seal { magic: *b"RUMBOLMK", version: VERSION };
 /// No model of a map that can be loaded is larger, bytes.
 const MOST_BYTES: u64 = 4 << 30;
 
@@ -47,6 +48,16 @@ pub enum ModelFileError {
     /// A part is missing or changed.
     #[error("it is damaged or cut off")]
     Damaged,
+}
+
+impl From<Broken> for ModelFileError {
+    fn from(broken: Broken) -> Self {
+        match broken {
+            Broken::Foreign => ModelFileError::Foreign,
+            Broken::Version(found) => ModelFileError::Version { found },
+            Broken::Damaged => ModelFileError::Damaged,
+        }
+    }
 }
 
 /// What a model depends on, as one number: cells, size, and all settings.
@@ -119,9 +130,7 @@ pub fn load_model(path: &Path, fingerprint: &[u8; 32]) -> Result<LandmarkModel, 
 }
 
 fn bytes_of(model: &LandmarkModel, fingerprint: &[u8; 32]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(model.n_bytes() + 128);
-    bytes.extend(MAGIC);
-    bytes.extend(VERSION.to_le_bytes());
+    let mut bytes = SEAL.begin(model.n_bytes() + 128);
     bytes.extend(fingerprint);
     let counts = [model.size.width, model.size.height].map(|n| (n as u32).to_le_bytes());
     bytes.extend(counts.concat());
@@ -136,47 +145,34 @@ fn bytes_of(model: &LandmarkModel, fingerprint: &[u8; 32]) -> Vec<u8> {
     let RegionIndex { ends, regions } = &model.regions;
     bytes.extend((regions.len() as u32).to_le_bytes());
     ends.iter().chain(regions).for_each(|number| bytes.extend(number.to_le_bytes()));
-    let checksum = crc32fast::hash(&bytes);
-    bytes.extend(checksum.to_le_bytes());
-    bytes
+    Seal::close(bytes)
 }
 
 fn model_of(bytes: &[u8], fingerprint: &[u8; 32]) -> Result<LandmarkModel, ModelFileError> {
-    let mut rest = bytes;
-    if take(&mut rest, MAGIC.len()).is_none_or(|magic| magic != MAGIC) {
-        return Err(ModelFileError::Foreign);
-    }
-    let version = number(&mut rest).ok_or(ModelFileError::Damaged)?;
-    if version != VERSION {
-        return Err(ModelFileError::Version { found: version });
-    }
-    let (content, checksum) = bytes.split_last_chunk().ok_or(ModelFileError::Damaged)?;
-    if crc32fast::hash(content) != u32::from_le_bytes(*checksum) {
-        return Err(ModelFileError::Damaged);
-    }
-    if take(&mut rest, fingerprint.len()).is_none_or(|found| found != fingerprint) {
+    let mut rest = SEAL.open(bytes)?;
+    if rest.take(fingerprint.len()).is_none_or(|found| found != fingerprint) {
         return Err(ModelFileError::Stale);
     }
     parts(rest).filter(is_sound).ok_or(ModelFileError::Damaged)
 }
 
 /// What stands between fingerprint and checksum.
-fn parts(mut rest: &[u8]) -> Option<LandmarkModel> {
-    let size = GridSize::new(number(&mut rest)? as usize, number(&mut rest)? as usize);
+fn parts(mut rest: Reader<'_>) -> Option<LandmarkModel> {
+    let size = GridSize::new(rest.u32()? as usize, rest.u32()? as usize);
     size.width.checked_mul(size.height)?;
     let order = CellOrder::new(size);
-    let n_landmarks = take(&mut rest, order.n_places())?.to_vec();
-    let n_bands = number(&mut rest)? as usize;
+    let n_landmarks = rest.take(order.n_places())?.to_vec();
+    let n_bands = rest.u32()? as usize;
     let mut bands = Vec::new();
     for _ in 0..n_bands {
-        let [n_codes, n_bytes] = [number(&mut rest)? as usize, number(&mut rest)? as usize];
-        let (codes, ends) = (numbers(&mut rest, n_codes)?, numbers(&mut rest, n_codes)?);
-        bands.push(Band { codes, ends, lists: take(&mut rest, n_bytes)?.to_vec() });
+        let [n_codes, n_bytes] = [rest.u32()? as usize, rest.u32()? as usize];
+        let (codes, ends) = (rest.u32s(n_codes)?, rest.u32s(n_codes)?);
+        bands.push(Band { codes, ends, lists: rest.take(n_bytes)?.to_vec() });
     }
-    let n_regions = number(&mut rest)? as usize;
+    let n_regions = rest.u32()? as usize;
     let n_ends = if n_regions > 0 { N_HASHES } else { 0 };
-    let regions = RegionIndex { ends: numbers(&mut rest, n_ends)?, regions: numbers(&mut rest, n_regions)? };
-    (rest.len() == size_of::<u32>()).then_some(LandmarkModel { size, order, n_landmarks, bands, regions })
+    let regions = RegionIndex { ends: rest.u32s(n_ends)?, regions: rest.u32s(n_regions)? };
+    rest.is_empty().then_some(LandmarkModel { size, order, n_landmarks, bands, regions })
 }
 
 fn is_sound(model: &LandmarkModel) -> bool {
@@ -184,21 +180,4 @@ fn is_sound(model: &LandmarkModel) -> bool {
     model.regions.is_sound(model.n_places())
         && cells_of_bands.len() == model.bands.len()
         && model.bands.iter().zip(cells_of_bands).all(|(band, cells)| band.is_sound(cells))
-}
-
-fn take<'b>(rest: &mut &'b [u8], n: usize) -> Option<&'b [u8]> {
-    let (taken, left) = rest.split_at_checked(n)?;
-    *rest = left;
-    Some(taken)
-}
-
-fn numbers(rest: &mut &[u8], n: usize) -> Option<Vec<u32>> {
-    let words = take(rest, n.checked_mul(4)?)?;
-    Some(words.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect())
-}
-
-fn number(rest: &mut &[u8]) -> Option<u32> {
-    let (word, left) = rest.split_first_chunk()?;
-    *rest = left;
-    Some(u32::from_le_bytes(*word))
 }

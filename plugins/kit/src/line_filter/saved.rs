@@ -9,12 +9,13 @@ use super::filter::{LineFilter, MapUse};
 use super::state::{ROBOT, State};
 use super::tentative::{Candidate, Tentative};
 use super::wall::Wall;
+use crate::seal::{Broken, Reader, Seal};
 use nalgebra::{Cholesky, Matrix5, Vector5};
 use rumbo_core::time::Time;
 
-const MAGIC: [u8; 8] = *b"RUMBOEKF";
 /// Goes up with every change of the layout.
 const VERSION: u32 = 1;
+const SEAL: Seal = Seal { magic: *b"RUMBOEKF", version: VERSION };
 /// No map that the filter can carry has more walls.
 const MOST_WALLS: u64 = 20_000;
 
@@ -61,9 +62,7 @@ impl SavedFilter {
     /// As bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let LineFilter { state, walls, tentative, n_scans, .. } = &self.filter;
-        let mut out = Writer(Vec::new());
-        out.0.extend_from_slice(&MAGIC);
-        out.0.extend_from_slice(&VERSION.to_le_bytes());
+        let mut out = Writer(SEAL.begin(0));
         out.integers(&[self.start.0]);
         out.stamp(self.now);
         out.stamp(self.odometry_stamp);
@@ -83,9 +82,7 @@ impl SavedFilter {
             piece.ends_m.iter().for_each(|end| out.numbers(end));
             out.integers(&[i64::from(*hits), *last_scan as i64]);
         }
-        let sum = crc32fast::hash(&out.0);
-        out.0.extend_from_slice(&sum.to_le_bytes());
-        out.0
+        Seal::close(out.0)
     }
 
     /// From bytes, as a filter that builds its map.
@@ -93,10 +90,9 @@ impl SavedFilter {
     /// # Errors
     /// Why the bytes are no state.
     pub fn from_bytes(bytes: &[u8], settings: FilterSettings) -> Result<SavedFilter, SavedFault> {
-        let body = checked(bytes)?;
-        let mut input = Reader(body);
-        let saved = read(&mut input, settings)?;
-        if !input.0.is_empty() {
+        let mut input = SEAL.open(bytes)?;
+        let saved = read(&mut input, settings).ok_or(SavedFault::Damaged)?;
+        if !input.is_empty() {
             return Err(SavedFault::Damaged);
         }
         if !saved.filter.state.is_finite() || !saved.odom_from_base.iter().all(|v| v.is_finite()) {
@@ -110,62 +106,54 @@ impl SavedFilter {
     }
 }
 
-/// What lies between head and check sum.
-fn checked(bytes: &[u8]) -> Result<&[u8], SavedFault> {
-    let Some((head, rest)) = bytes.split_first_chunk::<8>() else { return Err(SavedFault::Foreign) };
-    if *head != MAGIC {
-        return Err(SavedFault::Foreign);
+impl From<Broken> for SavedFault {
+    fn from(broken: Broken) -> Self {
+        match broken {
+            Broken::Foreign => SavedFault::Foreign,
+            Broken::Version(found) => SavedFault::Version { found },
+            Broken::Damaged => SavedFault::Damaged,
+        }
     }
-    let Some((version, rest)) = rest.split_first_chunk::<4>() else { return Err(SavedFault::Damaged) };
-    let found = u32::from_le_bytes(*version);
-    if found != VERSION {
-        return Err(SavedFault::Version { found });
-    }
-    let Some((body, sum)) = rest.split_last_chunk::<4>() else { return Err(SavedFault::Damaged) };
-    let whole = bytes.get(..bytes.len() - sum.len()).unwrap_or_default();
-    if crc32fast::hash(whole) != u32::from_le_bytes(*sum) {
-        return Err(SavedFault::Damaged);
-    }
-    Ok(body)
 }
 
-fn read(input: &mut Reader<'_>, settings: FilterSettings) -> Result<SavedFilter, SavedFault> {
-    let (start, now, odometry_stamp) = (Time(input.integer()?), input.stamp()?, input.stamp()?);
-    let odom_from_base = [input.number()?, input.number()?, input.number()?];
-    let n_scans = input.integer()? as u64;
-    let [n_walls, n_candidates] = [input.integer()? as u64, input.integer()? as u64];
+/// What lies between; none where something is missing.
+fn read(input: &mut Reader<'_>, settings: FilterSettings) -> Option<SavedFilter> {
+    let (start, now, odometry_stamp) = (Time(input.i64()?), stamp(input)?, stamp(input)?);
+    let odom_from_base = [input.f64()?, input.f64()?, input.f64()?];
+    let n_scans = input.i64()? as u64;
+    let [n_walls, n_candidates] = [input.i64()? as u64, input.i64()? as u64];
     if n_walls.max(n_candidates) > MOST_WALLS {
-        return Err(SavedFault::Damaged);
+        return None;
     }
     let mut robot = Vector5::zeros();
     for number in robot.iter_mut() {
-        *number = input.number()?;
+        *number = input.f64()?;
     }
     let mut state = State::new(robot, &Matrix5::zeros());
     let mut walls = Vec::new();
     for _ in 0..n_walls {
-        state.walls.push([input.number()?, input.number()?]);
-        walls.push(Wall { ends_m: input.ends_m()? });
+        state.walls.push([input.f64()?, input.f64()?]);
+        walls.push(Wall { ends_m: ends_m(input)? });
     }
     state.covariance.grow(2 * walls.len());
     let size = ROBOT + 2 * walls.len();
     for col in 0..size {
         let mut covariance = state.covariance.view_mut();
         for row in col..size {
-            covariance[(row, col)] = input.number()?;
+            covariance[(row, col)] = input.f64()?;
         }
     }
     state.covariance.mirror_lower(size);
     let mut tentative = Tentative::default();
     for _ in 0..n_candidates {
-        let (line, piece) = ([input.number()?, input.number()?], Wall { ends_m: input.ends_m()? });
-        let (hits, last_scan) = (input.integer()? as u32, input.integer()? as u64);
+        let (line, piece) = ([input.f64()?, input.f64()?], Wall { ends_m: ends_m(input)? });
+        let (hits, last_scan) = (input.i64()? as u32, input.i64()? as u64);
         tentative.candidates.push(Candidate { line, piece, hits, last_scan });
     }
     let mut filter = LineFilter::building(settings, robot, &Matrix5::zeros());
     (filter.map_use, filter.state, filter.walls) = (MapUse::Build, state, walls);
     (filter.tentative, filter.n_scans) = (tentative, n_scans);
-    Ok(SavedFilter { start, now, odom_from_base, odometry_stamp, filter })
+    Some(SavedFilter { start, now, odom_from_base, odometry_stamp, filter })
 }
 
 struct Writer(Vec<u8>);
@@ -184,29 +172,11 @@ impl Writer {
     }
 }
 
-struct Reader<'a>(&'a [u8]);
+fn stamp(input: &mut Reader<'_>) -> Option<Option<Time>> {
+    let (is_there, stamp) = (input.i64()? != 0, Time(input.i64()?));
+    Some(is_there.then_some(stamp))
+}
 
-impl Reader<'_> {
-    fn eight(&mut self) -> Result<[u8; 8], SavedFault> {
-        let (eight, rest) = self.0.split_first_chunk::<8>().ok_or(SavedFault::Damaged)?;
-        self.0 = rest;
-        Ok(*eight)
-    }
-
-    fn number(&mut self) -> Result<f64, SavedFault> {
-        self.eight().map(f64::from_le_bytes)
-    }
-
-    fn integer(&mut self) -> Result<i64, SavedFault> {
-        self.eight().map(i64::from_le_bytes)
-    }
-
-    fn stamp(&mut self) -> Result<Option<Time>, SavedFault> {
-        let (is_there, stamp) = (self.integer()? != 0, Time(self.integer()?));
-        Ok(is_there.then_some(stamp))
-    }
-
-    fn ends_m(&mut self) -> Result<[[f64; 2]; 2], SavedFault> {
-        Ok([[self.number()?, self.number()?], [self.number()?, self.number()?]])
-    }
+fn ends_m(input: &mut Reader<'_>) -> Option<[[f64; 2]; 2]> {
+    Some([[input.f64()?, input.f64()?], [input.f64()?, input.f64()?]])
 }

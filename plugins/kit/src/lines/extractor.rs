@@ -1,9 +1,10 @@
 //! From a scan to its lines, in memory that is kept.
 
 use super::fit::{LineFit, fit};
-use super::points::{BeamFan, Points};
+use super::points::Points;
 use super::split::split;
 use super::{LineSettings, SensedLine};
+use crate::landmarks::BeamFan;
 use std::ops::Range;
 
 /// Finds lines in scans. O(n log n) in the beams where the splits halve, O(n²) at worst.

@@ -2,21 +2,9 @@
 
 use super::LineSettings;
 use super::breaks::BreakRule;
+use crate::landmarks::BeamFan;
 use std::f64::consts::TAU;
 use std::ops::Range;
-
-/// Beams of a planar scan. A negative step goes clockwise.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BeamFan {
-    /// Bearing of the first beam, radians.
-    pub first_bearing_rad: f64,
-    /// From one beam to the next, radians.
-    pub bearing_step_rad: f64,
-    /// Shorter ranges are no readings, meters.
-    pub min_range_m: f64,
-    /// Ranges from here on are no readings: nothing was met, meters.
-    pub max_range_m: f64,
-}
 
 impl BeamFan {
     /// Beams until the circle is closed, where so many beams close it.

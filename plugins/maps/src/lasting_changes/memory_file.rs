@@ -9,10 +9,11 @@ use super::evidence::Verdict;
 use super::memory::{CellMemory, Memory};
 use super::raster::Raster;
 use rumbo_kit::GridSize;
+use rumbo_kit::seal::{Broken, Reader, Seal};
 
-const MAGIC: [u8; 8] = *b"RUMBOLCH";
 /// Goes up with every change of the layout, or of what it means.
 const VERSION: u32 = 1;
+const SEAL: Seal = Seal { magic: *b"RUMBOLCH", version: VERSION };
 
 /// Why bytes are not the memory of visits to a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -40,14 +41,22 @@ pub enum MemoryFault {
     OtherMap,
 }
 
+impl From<Broken> for MemoryFault {
+    fn from(broken: Broken) -> Self {
+        match broken {
+            Broken::Foreign => MemoryFault::Foreign,
+            Broken::Version(found) => MemoryFault::Version { found },
+            Broken::Damaged => MemoryFault::Damaged,
+        }
+    }
+}
+
 /// What is remembered of visits to the map of this raster, as it is with what was learned.
 pub fn memory_bytes(memory: &Memory, raster: &Raster) -> Vec<u8> {
     let mut learned = raster.clone();
     memory.apply(&mut learned);
     let size = raster.size();
-    let mut bytes = Vec::with_capacity(128 + memory.cells.len() * 7 + size.n_cells() / 8);
-    bytes.extend(MAGIC);
-    bytes.extend(VERSION.to_le_bytes());
+    let mut bytes = SEAL.begin(128 + memory.cells.len() * 7 + size.n_cells() / 8);
     bytes.extend(learned.fingerprint());
     bytes.extend((size.width as u32).to_le_bytes());
     bytes.extend((size.height as u32).to_le_bytes());
@@ -67,9 +76,7 @@ pub fn memory_bytes(memory: &Memory, raster: &Raster) -> Vec<u8> {
     let bit = |(place, is_set): (usize, &bool)| u8::from(*is_set) << place;
     let bits = memory.was_met.chunks(8).map(|cells| cells.iter().enumerate().map(bit).sum::<u8>());
     bytes.extend(bits);
-    let checksum = crc32fast::hash(&bytes);
-    bytes.extend(checksum.to_le_bytes());
-    bytes
+    Seal::close(bytes)
 }
 
 /// What these bytes remember, and the map that has come of it: `raster` is the map that was saved with them, or any earlier
@@ -78,18 +85,7 @@ pub fn memory_bytes(memory: &Memory, raster: &Raster) -> Vec<u8> {
 /// # Errors
 /// Why the bytes are not that.
 pub fn memory_of(bytes: &[u8], raster: &Raster) -> Result<(Memory, Raster), MemoryFault> {
-    let mut rest = bytes;
-    if take(&mut rest, MAGIC.len()).is_none_or(|magic| magic != MAGIC) {
-        return Err(MemoryFault::Foreign);
-    }
-    let version = number(&mut rest).ok_or(MemoryFault::Damaged)?;
-    if version != VERSION {
-        return Err(MemoryFault::Version { found: version });
-    }
-    let (content, checksum) = bytes.split_last_chunk().ok_or(MemoryFault::Damaged)?;
-    if crc32fast::hash(content) != u32::from_le_bytes(*checksum) {
-        return Err(MemoryFault::Damaged);
-    }
+    let rest = SEAL.open(bytes)?;
     let (place, memory) = parts(rest).ok_or(MemoryFault::Damaged)?;
     let mut learned = raster.clone();
     memory.apply(&mut learned);
@@ -107,19 +103,18 @@ struct Place<'b> {
 }
 
 /// What stands between version and checksum; none where it does not hold together.
-fn parts(mut rest: &[u8]) -> Option<(Place<'_>, Memory)> {
-    let fingerprint = take(&mut rest, 32)?;
-    let size = GridSize::new(number(&mut rest)? as usize, number(&mut rest)? as usize);
+fn parts(mut rest: Reader<'_>) -> Option<(Place<'_>, Memory)> {
+    let fingerprint = rest.take(32)?;
+    let size = GridSize::new(rest.u32()? as usize, rest.u32()? as usize);
     let n_cells = size.width.checked_mul(size.height)?;
-    let resolution_m = float(&mut rest)?;
-    let corner = [float(&mut rest)?, float(&mut rest)?, float(&mut rest)?];
-    let n_visits = number(&mut rest)?;
+    let resolution_m = rest.f64()?;
+    let corner = [rest.f64()?, rest.f64()?, rest.f64()?];
+    let n_visits = rest.u32()?;
     let mut memory = Memory { n_visits, ..Memory::default() };
     let mut least = 0;
-    for _ in 0..number(&mut rest)? {
-        let index = number(&mut rest)? as usize;
-        let (&[learned, occupied_visits, free_visits], after) = rest.split_first_chunk()?;
-        rest = after;
+    for _ in 0..rest.u32()? {
+        let index = rest.u32()? as usize;
+        let [learned, occupied_visits, free_visits] = rest.chunk()?;
         let learned = match learned {
             0 => None,
             1 => Some(Verdict::Occupied),
@@ -134,28 +129,10 @@ fn parts(mut rest: &[u8]) -> Option<(Place<'_>, Memory)> {
         least = index + 1;
         memory.cells.insert(index, cell);
     }
-    let bits = take(&mut rest, n_cells.div_ceil(8))?;
+    let bits = rest.take(n_cells.div_ceil(8))?;
     memory.was_met =
         (0..n_cells).map(|cell| bits.get(cell / 8).is_some_and(|bits| bits >> (cell % 8) & 1 == 1)).collect();
-    (rest.len() == size_of::<u32>()).then_some((Place { fingerprint, size, resolution_m, corner }, memory))
-}
-
-fn take<'b>(rest: &mut &'b [u8], n: usize) -> Option<&'b [u8]> {
-    let (taken, left) = rest.split_at_checked(n)?;
-    *rest = left;
-    Some(taken)
-}
-
-fn number(rest: &mut &[u8]) -> Option<u32> {
-    let (word, left) = rest.split_first_chunk()?;
-    *rest = left;
-    Some(u32::from_le_bytes(*word))
-}
-
-fn float(rest: &mut &[u8]) -> Option<f64> {
-    let (word, left) = rest.split_first_chunk()?;
-    *rest = left;
-    Some(f64::from_le_bytes(*word))
+    rest.is_empty().then_some((Place { fingerprint, size, resolution_m, corner }, memory))
 }
 
 #[cfg(test)]

@@ -1,22 +1,10 @@
 //! The planner in the framework.
 
 use super::FictitiousChargesParams;
-use crate::field_descent::MapSource;
 use crate::field_descent::planner::FieldPlanner;
 use crate::hull_fit::fits_hull;
-use rumbo_core::map::Layer;
-use rumbo_core::messages::Path;
 use rumbo_core::registry::{Manifest, Params, Plugin};
-use rumbo_core::stages::{BuildContext, BuildError, PlanError, PlanRequest, Planner};
-
-/// See [`FictitiousChargesParams`].
-pub struct FictitiousCharges(FieldPlanner);
-
-impl Planner for FictitiousCharges {
-    fn plan(&mut self, request: &PlanRequest) -> Result<Path, PlanError> {
-        self.0.plan(request)
-    }
-}
+use rumbo_core::stages::{BuildContext, BuildError, Planner};
 
 impl Params for FictitiousChargesParams {
     fn check(&self) -> Vec<BuildError> {
@@ -26,11 +14,7 @@ impl Params for FictitiousChargesParams {
 
 impl Plugin<dyn Planner> for FictitiousChargesParams {
     fn manifest(&self) -> Manifest {
-        let layer = match self.map {
-            MapSource::Grid => Layer::Grid,
-            MapSource::Lines => Layer::Lines,
-        };
-        Manifest { needs_layers: vec![layer], ..Manifest::default() }
+        Manifest { needs_layers: vec![self.map.layer()], ..Manifest::default() }
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Planner>, BuildError> {
@@ -39,7 +23,7 @@ impl Plugin<dyn Planner> for FictitiousChargesParams {
         }
         let (settings, charges) = self.rules();
         let planner = FieldPlanner { settings, charges: Some(charges), rng: context.rng() };
-        Ok(Box::new(FictitiousCharges(planner)))
+        Ok(Box::new(planner))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Parameters that both planners have: written once, for their documentation and their checks.
 
 use super::descent::{DescentRules, StepRule};
+use rumbo_core::map::Layer;
 use rumbo_core::stages::BuildError;
 use rumbo_kit::potential::{Attraction, Form, Repulsion};
 use schemars::JsonSchema;
@@ -14,6 +15,16 @@ pub enum MapSource {
     Grid,
     /// Wall lines, and discs for what was found on the way.
     Lines,
+}
+
+impl MapSource {
+    /// The layer's name in manifests.
+    pub(crate) fn layer(self) -> Layer {
+        match self {
+            MapSource::Grid => Layer::Grid,
+            MapSource::Lines => Layer::Lines,
+        }
+    }
 }
 
 /// Which lines are one obstacle.

@@ -10,7 +10,7 @@ use super::surroundings::obstacles;
 use rumbo_core::frames::Point2;
 use rumbo_core::messages::{Path, PathPoint};
 use rumbo_core::rng::Rng;
-use rumbo_core::stages::{PlanError, PlanRequest};
+use rumbo_core::stages::{PlanError, PlanRequest, Planner};
 use rumbo_kit::potential::{Field, Obstacles, Repulsion};
 
 /// Beyond the hull, where no clearance is given: what the guard keeps free, and room for an estimate that is off.
@@ -26,9 +26,8 @@ pub(crate) struct FieldPlanner {
     pub rng: Rng,
 }
 
-impl FieldPlanner {
-    /// The path of a request.
-    pub fn plan(&self, request: &PlanRequest) -> Result<Path, PlanError> {
+impl Planner for FieldPlanner {
+    fn plan(&mut self, request: &PlanRequest) -> Result<Path, PlanError> {
         let hull_m = request.robot.hull().outer_radius_m();
         let settings = &self.settings;
         let inflation_m = if settings.inflate { hull_m } else { 0.0 };
@@ -59,7 +58,9 @@ impl FieldPlanner {
         figures::count(&request.trace, &obstacles, &walk, &way);
         path(request, &way)
     }
+}
 
+impl FieldPlanner {
     /// The walk to the goal itself, straightened.
     fn legs(&self, request: &PlanRequest, obstacles: &Obstacles, walk: &Walk, clearance_m: f64) -> Rounded {
         let mut points = walk.points.clone();

@@ -1,22 +1,10 @@
 //! The planner in the framework.
 
 use super::PotentialFieldParams;
-use crate::field_descent::MapSource;
 use crate::field_descent::planner::FieldPlanner;
 use crate::hull_fit::fits_hull;
-use rumbo_core::map::Layer;
-use rumbo_core::messages::Path;
 use rumbo_core::registry::{Manifest, Params, Plugin};
-use rumbo_core::stages::{BuildContext, BuildError, PlanError, PlanRequest, Planner};
-
-/// See [`PotentialFieldParams`].
-pub struct PotentialField(FieldPlanner);
-
-impl Planner for PotentialField {
-    fn plan(&mut self, request: &PlanRequest) -> Result<Path, PlanError> {
-        self.0.plan(request)
-    }
-}
+use rumbo_core::stages::{BuildContext, BuildError, Planner};
 
 impl Params for PotentialFieldParams {
     fn check(&self) -> Vec<BuildError> {
@@ -26,11 +14,7 @@ impl Params for PotentialFieldParams {
 
 impl Plugin<dyn Planner> for PotentialFieldParams {
     fn manifest(&self) -> Manifest {
-        let layer = match self.map {
-            MapSource::Grid => Layer::Grid,
-            MapSource::Lines => Layer::Lines,
-        };
-        Manifest { needs_layers: vec![layer], ..Manifest::default() }
+        Manifest { needs_layers: vec![self.map.layer()], ..Manifest::default() }
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Planner>, BuildError> {
@@ -38,7 +22,7 @@ impl Plugin<dyn Planner> for PotentialFieldParams {
             fits_hull("minimum_clearance_m", clearance_m, &context.robot)?;
         }
         let planner = FieldPlanner { settings: self.rules(), charges: None, rng: context.rng() };
-        Ok(Box::new(PotentialField(planner)))
+        Ok(Box::new(planner))
     }
 }
 

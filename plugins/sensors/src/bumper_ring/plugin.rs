@@ -5,9 +5,7 @@ use std::f64::consts::TAU;
 use rumbo_core::frames::flatten;
 use rumbo_core::messages::{Bumpers, Data, Observation, ObservationKind, Observations};
 use rumbo_core::registry::{Manifest, Params, Plugin};
-use rumbo_core::stages::{
-    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World, WorldError,
-};
+use rumbo_core::stages::{Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World};
 
 use super::BumperRingParams;
 use crate::recorded::Seat;
@@ -54,20 +52,13 @@ impl Sensor for BumperRing {
         out: &mut Observations,
     ) -> Result<(), SensorError> {
         let ring_yaw_rad = flatten(&self.seat.base_from_sensor).rotation.angle();
-        let touched = match world.probe(&Probe::Contacts) {
-            Ok(Answer::Contacts(bearings_rad)) => bearings_rad
-                .iter()
-                .fold(0u64, |bits, bearing| bits | 1 << pressed(bearing - ring_yaw_rad, self.n_bumpers)),
-            Ok(Answer::Recorded(recorded)) => {
-                self.seat.pass_on(recorded, out);
-                return Ok(());
-            }
-            Ok(other) => return Err(SensorError::WrongAnswer { expected: "contacts", found: other.name() }),
-            Err(unanswered @ WorldError::Unsupported { .. }) => {
-                return self.seat.ask_recording(world, unanswered, out);
-            }
-            Err(error) => return Err(error.into()),
+        let felt = |answer: &Answer<'_>| {
+            let Answer::Contacts(bearings_rad) = answer else { return None };
+            let press = |bits, bearing: &f64| bits | 1 << pressed(bearing - ring_yaw_rad, self.n_bumpers);
+            Some(bearings_rad.iter().fold(0u64, press))
         };
+        let asked = self.seat.ask(world, &Probe::Contacts, "contacts", out, felt)?;
+        let Some(touched) = asked else { return Ok(()) };
         let bumpers = Bumpers {
             n_bumpers: self.n_bumpers,
             pressed: touched,

@@ -3,9 +3,7 @@
 use rumbo_core::messages::{Check, Data, Mark, Marks, Observation, ObservationKind, Observations};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::rng::Rng;
-use rumbo_core::stages::{
-    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World, WorldError,
-};
+use rumbo_core::stages::{Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World};
 
 use super::{MarkCameraParams, MarkNoise};
 use crate::recorded::Seat;
@@ -51,26 +49,17 @@ impl Sensor for MarkCamera {
             field_of_view_rad: self.params.field_of_view_deg.to_radians(),
             max_range_m: self.params.max_range_m,
         };
-        let exact = match world.probe(&probe) {
-            Ok(Answer::Marks(exact)) => exact,
-            Ok(Answer::Recorded(recorded)) => {
-                self.seat.pass_on(recorded, out);
-                return Ok(());
-            }
-            Ok(other) => return Err(SensorError::WrongAnswer { expected: "marks", found: other.name() }),
-            Err(unanswered @ WorldError::Unsupported { .. }) => {
-                return self.seat.ask_recording(world, unanswered, out);
-            }
-            Err(error) => return Err(error.into()),
-        };
-        // A world that answers nonsense must not be measured: errors would hide it.
-        let is_sound = exact.check().is_ok();
         let (noise, rng) = (&self.noise, &mut self.rng);
-        let marks: Vec<Mark> = if is_sound {
-            exact.marks.iter().filter_map(|mark| noise.read(mark, rng)).collect()
-        } else {
-            Vec::new()
+        let look = |answer: &Answer<'_>| {
+            let Answer::Marks(exact) = answer else { return None };
+            // A world that answers nonsense must not be measured: errors would hide it.
+            let sound = exact.check().is_ok().then_some(&exact.marks);
+            let marks = sound.map(|marks| marks.iter().filter_map(|mark| noise.read(mark, rng)).collect());
+            Some(marks)
         };
+        let asked: Option<Option<Vec<Mark>>> = self.seat.ask(world, &probe, "marks", out, look)?;
+        let Some(marks) = asked else { return Ok(()) };
+        let (is_sound, marks) = (marks.is_some(), marks.unwrap_or_default());
         let range_deviation_m =
             self.params.range_deviation_m + self.params.range_share * mean_range_m(&marks);
         // A picture without a mark tells something, too.

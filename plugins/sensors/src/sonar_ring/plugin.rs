@@ -7,9 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rumbo_core::messages::{Data, Observation, ObservationKind, Observations, RangeRing};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::rng::Rng;
-use rumbo_core::stages::{
-    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World, WorldError,
-};
+use rumbo_core::stages::{Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World};
 
 use super::SonarRingParams;
 use super::crosstalk::mix;
@@ -86,22 +84,17 @@ impl Sensor for SonarRing {
             max_range_m: self.params.max_range_m,
         };
         let mut ranges_m = out.buffer(self.bearings_rad.len());
-        match world.probe(&probe) {
-            Ok(Answer::Ranges(exact)) if exact.len() == ranges_m.len() => {
-                self.exact_m.clear();
-                self.exact_m.extend_from_slice(exact);
+        let exact_m = &mut self.exact_m;
+        let keep = |answer: &Answer<'_>| match answer {
+            Answer::Ranges(exact) if exact.len() == ranges_m.len() => {
+                exact_m.clear();
+                exact_m.extend_from_slice(exact);
+                Some(())
             }
-            Ok(Answer::Recorded(recorded)) => {
-                self.seat.pass_on(recorded, out);
-                return Ok(());
-            }
-            Ok(other) => {
-                return Err(SensorError::WrongAnswer { expected: "sound cones", found: other.name() });
-            }
-            Err(unanswered @ WorldError::Unsupported { .. }) => {
-                return self.seat.ask_recording(world, unanswered, out);
-            }
-            Err(error) => return Err(error.into()),
+            _ => None,
+        };
+        if self.seat.ask(world, &probe, "sound cones", out, keep)?.is_none() {
+            return Ok(());
         }
         let heard_m = ranges_m.make_mut();
         heard_m.copy_from_slice(&self.exact_m);

@@ -6,9 +6,7 @@ use rumbo_core::messages::{Data, Observation, ObservationKind, Observations, Ste
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::rng::Rng;
 use rumbo_core::robot::DriveKind;
-use rumbo_core::stages::{
-    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World, WorldError,
-};
+use rumbo_core::stages::{Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, World};
 
 use super::SteeringEncoderParams;
 use crate::recorded::Seat;
@@ -64,20 +62,12 @@ impl Sensor for SteeringEncoder {
         world: &mut dyn World,
         out: &mut Observations,
     ) -> Result<(), SensorError> {
-        let exact_rad = match world.probe(&Probe::Wheels) {
-            Ok(Answer::Wheels(wheels)) => wheels.steering_rad,
-            Ok(Answer::Recorded(recorded)) => {
-                self.seat.pass_on(recorded, out);
-                return Ok(());
-            }
-            Ok(other) => {
-                return Err(SensorError::WrongAnswer { expected: "wheel motion", found: other.name() });
-            }
-            Err(unanswered @ WorldError::Unsupported { .. }) => {
-                return self.seat.ask_recording(world, unanswered, out);
-            }
-            Err(error) => return Err(error.into()),
+        let steering_rad = |answer: &Answer<'_>| match answer {
+            Answer::Wheels(wheels) => Some(wheels.steering_rad),
+            _ => None,
         };
+        let asked = self.seat.ask(world, &Probe::Wheels, "wheel motion", out, steering_rad)?;
+        let Some(exact_rad) = asked else { return Ok(()) };
         let angle_rad = self.read(exact_rad);
         out.push(Observation {
             sensor: self.seat.sensor,

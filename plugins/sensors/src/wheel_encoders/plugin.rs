@@ -6,7 +6,7 @@ use rumbo_core::messages::{Data, MessageFault, Observation, ObservationKind, Obs
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::rng::Rng;
 use rumbo_core::stages::{
-    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, WheelMotion, World, WorldError,
+    Answer, BuildContext, BuildError, Cx, Probe, Sensor, SensorError, WheelMotion, World,
 };
 use rumbo_core::time::Time;
 
@@ -78,20 +78,12 @@ impl Sensor for WheelEncoders {
         world: &mut dyn World,
         out: &mut Observations,
     ) -> Result<(), SensorError> {
-        let wheels = match world.probe(&Probe::Wheels) {
-            Ok(Answer::Wheels(wheels)) => wheels,
-            Ok(Answer::Recorded(recorded)) => {
-                self.seat.pass_on(recorded, out);
-                return Ok(());
-            }
-            Ok(other) => {
-                return Err(SensorError::WrongAnswer { expected: "wheel motion", found: other.name() });
-            }
-            Err(unanswered @ WorldError::Unsupported { .. }) => {
-                return self.seat.ask_recording(world, unanswered, out);
-            }
-            Err(error) => return Err(error.into()),
+        let motion = |answer: &Answer<'_>| match answer {
+            Answer::Wheels(wheels) => Some(*wheels),
+            _ => None,
         };
+        let asked = self.seat.ask(world, &Probe::Wheels, "wheel motion", out, motion)?;
+        let Some(wheels) = asked else { return Ok(()) };
         let numbers = wheels.rolled_m.iter().chain([&wheels.turned_rad, &wheels.steering_rad]);
         if let Some(number) = numbers.into_iter().find(|number| !number.is_finite()) {
             // The odometer adds up: one such number would stay in it for ever.

@@ -75,7 +75,20 @@ fn begins_like_a_bag(file: &Path) -> bool {
     read.is_ok() && first == MAGIC
 }
 
+/// A recording drives as it was recorded.
+fn not_actuated(command: &Command) -> Result<Drove, WorldError> {
+    if !command.twist.is_finite() {
+        return Err(WorldError::NotFinite);
+    }
+    Ok(Drove::NotActuated)
+}
+
 impl LogParams {
+    /// Where the pipeline says that the robot starts.
+    pub(super) fn given_start(&self) -> Option<Pose2> {
+        self.start.map(|start| pose2(start.x_m, start.y_m, start.yaw_deg.to_radians()))
+    }
+
     pub(super) fn known_truth(
         &self,
         context: &BuildContext,
@@ -103,8 +116,8 @@ impl LogParams {
     }
 
     fn start_pose(&self, playback: &Playback) -> Option<Pose2> {
-        if let Some(start) = self.start {
-            return Some(pose2(start.x_m, start.y_m, start.yaw_deg.to_radians()));
+        if let Some(given) = self.given_start() {
+            return Some(given);
         }
         let first =
             playback.truth().first().filter(|(time, _)| (*time - Time::ZERO).0.abs() <= KnownTruth::GAP.0);
@@ -160,10 +173,7 @@ impl World for LogWorld {
     }
 
     fn drive(&mut self, command: &Command) -> Result<Drove, WorldError> {
-        if !command.twist.is_finite() {
-            return Err(WorldError::NotFinite);
-        }
-        Ok(Drove::NotActuated)
+        not_actuated(command)
     }
 
     fn probe<'w>(&'w mut self, probe: &Probe<'_>) -> Result<Answer<'w>, WorldError> {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use rumbo_core::frames::{Pose2, pose2};
+use rumbo_core::frames::Pose2;
 use rumbo_core::messages::{Command, ObservationKind};
 use rumbo_core::stages::{Advance, Answer, BuildContext, BuildError, Drove, Probe, Truth, World, WorldError};
 use rumbo_core::time::Time;
@@ -53,12 +53,11 @@ impl BagWorld {
         let recorded_map = source.header().and_then(|header| header.map_file.clone());
         let mut playback = BagPlayback::new(source, params.file.display().to_string(), known);
         sentences.iter().for_each(|sentence| playback.notify(sentence));
-        let given = params.start.map(|start| pose2(start.x_m, start.y_m, start.yaw_deg.to_radians()));
         let first =
             playback.first_truth().filter(|(time, _)| (*time - Time::ZERO).0.abs() <= KnownTruth::GAP.0);
         let map_file = map_file.or(recorded_map.filter(|map| map.is_file()));
         let odometry = playback.first_odometry().filter(|_| map_file.is_none());
-        let start = given.or(first.map(|(_, pose)| pose)).or(recorded_start).or(odometry);
+        let start = params.given_start().or(first.map(|(_, pose)| pose)).or(recorded_start).or(odometry);
         Ok(BagWorld {
             playback,
             channels: params.channels.clone(),
@@ -112,10 +111,7 @@ impl World for BagWorld {
     }
 
     fn drive(&mut self, command: &Command) -> Result<Drove, WorldError> {
-        if !command.twist.is_finite() {
-            return Err(WorldError::NotFinite);
-        }
-        Ok(Drove::NotActuated)
+        super::not_actuated(command)
     }
 
     fn probe<'w>(&'w mut self, probe: &Probe<'_>) -> Result<Answer<'w>, WorldError> {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use rumbo_core::frames::{Pose2, pose2};
+use rumbo_core::frames::Pose2;
 use rumbo_core::messages::Command;
 use rumbo_core::stages::{Advance, Answer, BuildContext, BuildError, Drove, Probe, Truth, World, WorldError};
 use rumbo_core::time::{Span, Time};
@@ -49,8 +49,7 @@ impl MrclamWorld {
         };
         sentences.iter().for_each(|sentence| playback.notify(sentence));
         playback.know(truth);
-        let given = params.start.map(|start| pose2(start.x_m, start.y_m, start.yaw_deg.to_radians()));
-        let start = given.or_else(|| playback.true_pose());
+        let start = params.given_start().or_else(|| playback.true_pose());
         Ok(MrclamWorld { playback, channels, start, map_file, folder })
     }
 
@@ -75,10 +74,7 @@ impl World for MrclamWorld {
     }
 
     fn drive(&mut self, command: &Command) -> Result<Drove, WorldError> {
-        if !command.twist.is_finite() {
-            return Err(WorldError::NotFinite);
-        }
-        Ok(Drove::NotActuated)
+        super::not_actuated(command)
     }
 
     fn probe<'w>(&'w mut self, probe: &Probe<'_>) -> Result<Answer<'w>, WorldError> {
