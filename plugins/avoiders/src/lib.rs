@@ -1,8 +1,22 @@
 //! Avoiders of Rumbo.
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
+pub mod braitenberg;
+pub mod clear_way;
 pub mod explained;
+pub mod faults;
+pub mod lookout;
+pub mod memory_params;
+pub mod near_points;
+pub mod nearest;
+pub mod potential_field;
 pub mod progress;
 pub mod pure_pursuit;
+pub mod short_memory;
 pub mod sightings;
 pub mod stop_and_replan;
+pub mod view;
+pub mod wheels;
+
+#[cfg(test)]
+mod spec_samples;

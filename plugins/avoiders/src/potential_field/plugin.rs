@@ -1,0 +1,218 @@
+//! The avoider: field, near rule, brakes, and when the way is blocked.
+
+use super::PotentialFieldParams;
+use super::aim::Progressing;
+use super::descent::{Descent, Place};
+use super::near_rule::{NearControl, Pull};
+use super::turn::{turn_error_rad, turn_in_time_rad_s};
+use crate::clear_way::ClearWay;
+use crate::explained::is_near_occupied;
+use crate::lookout::Lookout;
+use crate::near_points::{NearTuning, Sight};
+use crate::nearest::nearest;
+use crate::progress::Progress;
+use crate::wheels::{track_m, within_limits};
+use rumbo_core::frames::{Point2, Pose2, Twist};
+use rumbo_core::messages::{ObservationKind, Obstacle, Path};
+use rumbo_core::registry::{Manifest, Plugin};
+use rumbo_core::robot::{DriveKind, Robot};
+use rumbo_core::stages::{AvoidError, AvoidInput, Avoider, BuildContext, BuildError, Cx, Steering};
+use rumbo_core::time::{Span, Time};
+
+rumbo_core::register_avoider!(
+    PotentialFieldParams,
+    "potential_field",
+    "drawn by the path and pushed off by what depth cameras, lasers and sonars see, with waypoints or a planner"
+);
+
+/// See [`PotentialFieldParams`].
+#[derive(Debug)]
+pub struct PotentialField {
+    params: PotentialFieldParams,
+    track_m: f64,
+    descent: Descent,
+    control: NearControl,
+    lookout: Lookout,
+    clear: ClearWay,
+    progress: Progress,
+    along: Progressing,
+    following: Option<u64>,
+    is_at_end: bool,
+    /// The path is blocked, and this was said.
+    is_blocked: bool,
+}
+
+impl PotentialField {
+    /// Readings are kept this much farther than the field reaches, for the way until the next, meters.
+    const MARGIN_M: f64 = 0.5;
+    /// What is told to be in the way is at most this far from the hull, meters.
+    const IN_THE_WAY_M: f64 = 0.6;
+
+    /// An avoider for this robot; none for a robot without two driven wheels.
+    pub fn new(params: &PotentialFieldParams, robot: &Robot) -> Option<PotentialField> {
+        let full_m_s = params.full_m_s(robot);
+        let brakes_m = robot.hull().outer_radius_m() + params.clearance_m + robot.stopping_m(full_m_s);
+        let lookout = Lookout::new(NearTuning {
+            keep_m: brakes_m.max(params.push_law().reach_m()) + Self::MARGIN_M,
+            band_m: [params.floor_m, robot.height_m + params.headroom_m],
+            stale_after: Span::from_secs(params.stale_after_s),
+            memory: Span::from_secs(params.memory.seconds),
+        });
+        Some(PotentialField {
+            track_m: track_m(robot)?,
+            descent: params.descent(),
+            control: NearControl::new(params.near(robot)),
+            lookout,
+            clear: ClearWay::new(robot.hull(), params.clearance_m),
+            progress: Progress::new(Span::from_secs(params.stuck_after_s)),
+            along: Progressing::default(),
+            params: params.clone(),
+            following: None,
+            is_at_end: false,
+            is_blocked: false,
+        })
+    }
+
+    /// The path of the input; none where there is nothing to follow.
+    fn followed<'a>(&mut self, input: &AvoidInput<'a>) -> Option<&'a Path> {
+        let Some(path) = input.path else {
+            self.following = None;
+            return None;
+        };
+        if self.following != Some(input.path_number) {
+            self.following = Some(input.path_number);
+            (self.is_blocked, self.is_at_end) = (false, false);
+            self.along = Progressing::default();
+        }
+        (!self.is_blocked).then_some(path)
+    }
+
+    fn stand(&mut self) -> Steering {
+        self.progress.rest();
+        Steering::Drive(Twist::ZERO)
+    }
+
+    /// At the end of the path only its heading is left to do.
+    fn at_end(&mut self, path: &Path, yaw_rad: f64, robot: &Robot) -> Option<Twist> {
+        let error_rad = turn_error_rad(yaw_rad, path.end().yaw_rad?);
+        if error_rad.abs() <= self.params.yaw_within_deg.to_radians() {
+            return None;
+        }
+        let wanted_rad_s = robot.max_turn_rad_s() * error_rad.signum();
+        Some(Twist::new(
+            0.0,
+            turn_in_time_rad_s(error_rad, wanted_rad_s, robot.max_turn_accel_rad_s2() / 2.0),
+        ))
+    }
+
+    /// Where the field, and what is very near, want to go.
+    fn wanted(&mut self, path: &Path, input: &AvoidInput<'_>) -> (Pull, Twist) {
+        let position = Point2::from(input.map_from_base.translation.vector);
+        let place = Place {
+            position,
+            yaw_rad: input.map_from_base.rotation.angle(),
+            aim: self.along.aim(path, position, self.params.passed_within_m),
+            arrival_radius_m: input.arrival_radius_m,
+        };
+        let points = self.lookout.near.points(self.params.memory.repel);
+        let (strength, turn_error_rad) = self.descent.pull(&place, points);
+        let pull = Pull { strength, turn_error_rad, nearest: nearest(points) };
+        let is_blocked = self.control.is_blocked(points);
+        let twist = self.twist(&pull, is_blocked, input.robot);
+        if is_blocked {
+            return (pull, twist);
+        }
+        // Wheels that cannot stop a turn at once begin to end it in time.
+        let slowing_rad_s2 = input.robot.max_turn_accel_rad_s2();
+        let turn_rad_s = turn_in_time_rad_s(turn_error_rad, twist.turn_rad_s, slowing_rad_s2);
+        (pull, Twist { turn_rad_s, ..twist })
+    }
+
+    fn twist(&mut self, pull: &Pull, is_blocked: bool, robot: &Robot) -> Twist {
+        within_limits(self.control.steer(pull, is_blocked).twist(self.track_m), robot)
+    }
+
+    /// What may be driven of what is wanted: else a turn in place, to one side or the other.
+    fn allowed(&mut self, pull: &Pull, wanted: Twist, robot: &Robot) -> Option<Twist> {
+        let near = self.lookout.near.points(self.params.memory.rotation_check);
+        let allowed = self.clear.allowed(wanted, robot, near);
+        if allowed.is_some() {
+            return allowed;
+        }
+        let spin = if wanted.forward_m_s.abs() > 0.0 {
+            within_limits(self.control.turn_away(pull).twist(self.track_m), robot)
+        } else {
+            wanted
+        };
+        [spin, spin.scaled(-1.0)].into_iter().find(|spin| self.clear.stops_in_time(*spin, robot, near))
+    }
+
+    fn drive(&mut self, now: Time, path: &Path, input: &AvoidInput<'_>, odom_from_base: &Pose2) -> Steering {
+        let (pull, wanted) = self.wanted(path, input);
+        let allowed = self.allowed(&pull, wanted, input.robot);
+        // A robot that may not move, and one that is held although it may, are stuck alike.
+        let told = allowed.unwrap_or(wanted);
+        if told != Twist::ZERO && self.progress.is_stuck(now, told, odom_from_base) {
+            self.is_blocked = true;
+            self.progress.rest();
+            return Steering::Blocked { obstacles: self.in_the_way(input) };
+        }
+        Steering::Drive(allowed.unwrap_or(Twist::ZERO))
+    }
+
+    /// What sensors see just ahead and the map does not show.
+    fn in_the_way(&self, input: &AvoidInput<'_>) -> Vec<Obstacle> {
+        let hull = input.robot.hull();
+        let ahead = self.lookout.near.points(false).iter();
+        let ahead = ahead
+            .filter(|near| near.in_base.x > 0.0 && hull.distance_m(near.in_base) <= Self::IN_THE_WAY_M)
+            .map(|near| (input.map_from_base * near.in_base, near.stamp));
+        let is_known = |point: Point2| {
+            let within_m = self.params.expected_within_m;
+            input.grid.is_some_and(|grid| is_near_occupied(grid, point, within_m))
+        };
+        let unknown = ahead.filter(|(point, _)| !is_known(*point));
+        unknown.map(|(position, stamp)| Obstacle { position, radius_m: 0.0, stamp }).collect()
+    }
+}
+
+impl Avoider for PotentialField {
+    fn steer(&mut self, cx: &mut Cx<'_>, input: &AvoidInput<'_>) -> Result<Steering, AvoidError> {
+        let odom_from_base = self.lookout.look(cx.now, input)?;
+        let Some(path) = self.followed(input) else { return Ok(self.stand()) };
+        if self.lookout.near.sight(cx.now)? == Sight::Blind {
+            return Ok(self.stand());
+        }
+        let left = path.end().position - Point2::from(input.map_from_base.translation.vector);
+        self.is_at_end |= left.norm() <= input.arrival_radius_m;
+        if self.is_at_end {
+            self.progress.rest();
+            let turn = self.at_end(path, input.map_from_base.rotation.angle(), input.robot);
+            return Ok(turn.map_or(Steering::Arrived, Steering::Drive));
+        }
+        Ok(self.drive(cx.now, path, input, &odom_from_base))
+    }
+}
+
+impl Plugin<dyn Avoider> for PotentialFieldParams {
+    fn manifest(&self) -> Manifest {
+        let eyes = vec![ObservationKind::PointCloud, ObservationKind::LaserScan, ObservationKind::RangeRing];
+        Manifest {
+            consumes: vec![eyes],
+            drives: vec![DriveKind::Differential],
+            default_rate_hz: Some(20.0),
+            ..Manifest::default()
+        }
+    }
+
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Avoider>, BuildError> {
+        let avoider = PotentialField::new(self, &context.robot).ok_or_else(|| {
+            let kind = context.robot.drive.kind().name();
+            BuildError::at(
+                "",
+                format!("steers the two wheels of a differential drive, and the robot's is {kind}"),
+            )
+        })?;
+        Ok(Box::new(avoider))
+    }
+}
