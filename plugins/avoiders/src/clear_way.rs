@@ -4,7 +4,8 @@
 //! what sensors see now.
 
 use crate::near_points::NearPoint;
-use rumbo_core::frames::{Point2, Twist};
+use crate::wheels::Wheels;
+use rumbo_core::frames::{Point2, Pose2, Twist};
 use rumbo_core::robot::{Hull, Robot};
 
 /// The hull and the room around it.
@@ -33,15 +34,18 @@ impl ClearWay {
 
     /// The fastest motion that stops in time, like the wanted one: slower first, then with less turn, since beside
     /// something a robot goes on before it turns. None where every one of them meets something.
-    pub fn allowed(&self, wanted: Twist, robot: &Robot, near: &[NearPoint]) -> Option<Twist> {
+    ///
+    /// What counts is what wheels make of it that have done `last` until now: one that is told to turn away still rolls on.
+    pub fn allowed(&self, wanted: Twist, wheels: &Wheels<'_>, near: &[NearPoint]) -> Option<Twist> {
         if wanted.forward_m_s.abs() < 1e-9 {
-            return self.stops_in_time(wanted, robot, near).then_some(wanted);
+            return self.reached(wanted, wheels, near);
         }
         let mut best: Option<(f64, Twist)> = None;
         for turn in Self::TURNS {
-            let twists = Self::SPEEDS
-                .map(|speed| (speed, Twist::new(wanted.forward_m_s * speed, wanted.turn_rad_s * turn)));
-            let first = twists.into_iter().find(|(_, twist)| self.stops_in_time(*twist, robot, near));
+            let first = Self::SPEEDS.iter().find_map(|speed| {
+                let twist = Twist::new(wanted.forward_m_s * speed, wanted.turn_rad_s * turn);
+                self.reached(twist, wheels, near).map(|twist| (*speed, twist))
+            });
             let Some((speed, twist)) = first else { continue };
             if speed >= Self::GOOD_SPEED {
                 return Some(twist);
@@ -53,18 +57,38 @@ impl ClearWay {
         best.map(|(_, twist)| twist)
     }
 
+    /// What the wheels make of it, where that stops in time.
+    fn reached(&self, wanted: Twist, wheels: &Wheels<'_>, near: &[NearPoint]) -> Option<Twist> {
+        let reached = wheels.reach(wanted);
+        self.stops_in_time(reached, wheels.robot, near).then_some(reached)
+    }
+
+    /// A turn in place as wanted, or else the other way around.
+    pub fn either_way(&self, spin: Twist, wheels: &Wheels<'_>, near: &[NearPoint]) -> Option<Twist> {
+        [spin, spin.scaled(-1.0)].into_iter().find_map(|spin| self.reached(spin, wheels, near))
+    }
+
+    /// The first point that the room around the hull meets along a motion.
+    pub fn first_met(&self, twist: Twist, robot: &Robot, near: &[NearPoint]) -> Option<Point2> {
+        self.places(twist, robot).find_map(|then_from_base| {
+            let met = near.iter().find(|point| self.meets(point.in_base, then_from_base * point.in_base));
+            met.map(|point| point.in_base)
+        })
+    }
+
     /// The hull, with its room, meets nothing until it stands.
     pub fn stops_in_time(&self, twist: Twist, robot: &Robot, near: &[NearPoint]) -> bool {
+        self.first_met(twist, robot, near).is_none()
+    }
+
+    /// Places of the base until it stands, from which the base of now is seen.
+    fn places(&self, twist: Twist, robot: &Robot) -> impl Iterator<Item = Pose2> + use<> {
         let hull_m_s = twist.speed_m_s() + twist.turn_rad_s.abs() * self.swing_m(twist);
-        if hull_m_s < 1e-9 {
-            return true;
-        }
         let needed_m = robot.stopping_m(hull_m_s).max(Self::STEP_M);
-        let n_steps = (needed_m / Self::STEP_M).ceil().min(400.0) as usize;
-        (1..=n_steps).all(|step| {
+        let n_steps = if hull_m_s < 1e-9 { 0 } else { (needed_m / Self::STEP_M).ceil().min(400.0) as usize };
+        (1..=n_steps).map(move |step| {
             let travel_m = needed_m * step as f64 / n_steps as f64;
-            let then_from_base = twist.integrate(travel_m / hull_m_s).inverse();
-            !near.iter().any(|point| self.meets(point.in_base, then_from_base * point.in_base))
+            twist.integrate(travel_m / hull_m_s).inverse()
         })
     }
 
@@ -96,7 +120,26 @@ mod tests {
     }
 
     fn robot() -> Robot {
-        Robot { radius_m: 0.25, braking_m_s2: 0.6, max_speed_m_s: 1.2, ..Robot::default() }
+        Robot {
+            radius_m: 0.25,
+            braking_m_s2: 0.6,
+            max_accel_m_s2: 0.6,
+            max_speed_m_s: 1.2,
+            max_turn_accel_deg_s2: 120.0,
+            ..Robot::default()
+        }
+    }
+
+    /// Wheels that already do what they are told.
+    fn allowed(way: &ClearWay, twist: Twist, robot: &Robot, near: &[NearPoint]) -> Option<Twist> {
+        let at_once = Robot { max_accel_m_s2: 1e6, max_turn_accel_deg_s2: 1e9, ..robot.clone() };
+        // Brakes are those of the robot: only what is wanted is there at once.
+        let wheels = Wheels {
+            robot: &Robot { braking_m_s2: robot.braking_m_s2, ..at_once },
+            last: twist,
+            period_s: 10.0,
+        };
+        way.allowed(twist, &wheels, near)
     }
 
     /// A hull of 0.25 m with 0.05 m around it has `x - 0.3` to stop: the answer comes from the brakes' own formula.
@@ -104,24 +147,27 @@ mod tests {
     fn in_front_of_a_wall_the_robot_is_as_fast_as_its_brakes() {
         let (robot, way) = (robot(), ClearWay::new(robot().hull(), 0.05));
         for x in [0.5, 0.8, 1.2, 1.6] {
-            let allowed = way.allowed(Twist::new(1.2, 0.0), &robot, &[at(x, 0.0)]).unwrap();
+            let found = allowed(&way, Twist::new(1.2, 0.0), &robot, &[at(x, 0.0)]).unwrap();
             let most_m_s = robot.stops_within_m_s(x - 0.3);
-            assert!(allowed.forward_m_s <= most_m_s + 1e-9, "{x} {allowed:?}");
-            assert!(allowed.forward_m_s >= 0.6 * most_m_s.min(1.2), "{x} {allowed:?} {most_m_s}");
+            assert!(found.forward_m_s <= most_m_s + 1e-9, "{x} {found:?}");
+            assert!(found.forward_m_s >= 0.6 * most_m_s.min(1.2), "{x} {found:?} {most_m_s}");
         }
-        assert_eq!(way.allowed(Twist::new(1.2, 0.0), &robot, &[at(0.31, 0.0)]), None);
-        assert_eq!(way.allowed(Twist::new(1.2, 0.0), &robot, &[at(0.31, 0.4)]), Some(Twist::new(1.2, 0.0)));
-        assert_eq!(way.allowed(Twist::new(1.2, 0.0), &robot, &[at(-0.31, 0.0)]), Some(Twist::new(1.2, 0.0)));
+        assert_eq!(allowed(&way, Twist::new(1.2, 0.0), &robot, &[at(0.31, 0.0)]), None);
+        assert_eq!(allowed(&way, Twist::new(1.2, 0.0), &robot, &[at(0.31, 0.4)]), Some(Twist::new(1.2, 0.0)));
+        assert_eq!(
+            allowed(&way, Twist::new(1.2, 0.0), &robot, &[at(-0.31, 0.0)]),
+            Some(Twist::new(1.2, 0.0))
+        );
     }
 
     #[test]
     fn beside_something_the_robot_goes_on_before_it_turns_toward_it() {
         let (robot, way) = (robot(), ClearWay::new(robot().hull(), 0.05));
         let wanted = Twist::new(0.2, 1.0);
-        let allowed = way.allowed(wanted, &robot, &[at(0.0, 0.301)]).unwrap();
-        assert!(allowed.forward_m_s > 0.0 && allowed.turn_rad_s < 1.0, "{allowed:?}");
+        let found = allowed(&way, wanted, &robot, &[at(0.0, 0.301)]).unwrap();
+        assert!(found.forward_m_s > 0.0 && found.turn_rad_s < 1.0, "{found:?}");
         assert_eq!(
-            way.allowed(Twist::new(0.2, -1.0), &robot, &[at(0.0, 0.301)]),
+            allowed(&way, Twist::new(0.2, -1.0), &robot, &[at(0.0, 0.301)]),
             Some(Twist::new(0.2, -1.0))
         );
     }
@@ -134,8 +180,18 @@ mod tests {
         // The tail of a robot that turns left goes right.
         let beside = NearPoint { is_remembered: true, ..at(-0.38, -0.2) };
         let left = Twist::new(0.0, 0.5);
-        assert_eq!(way.allowed(left, &robot, &[beside]), None);
-        assert_eq!(way.allowed(left.scaled(-1.0), &robot, &[beside]), Some(left.scaled(-1.0)));
-        assert_eq!(way.allowed(left, &robot, &[at(0.7, 0.0)]), Some(left));
+        assert_eq!(allowed(&way, left, &robot, &[beside]), None);
+        assert_eq!(allowed(&way, left.scaled(-1.0), &robot, &[beside]), Some(left.scaled(-1.0)));
+        assert_eq!(allowed(&way, left, &robot, &[at(0.7, 0.0)]), Some(left));
+    }
+
+    /// The wheels still roll at 0.8 m/s: told to turn in place they need 0.61 m.
+    #[test]
+    fn a_robot_that_rolls_on_while_it_turns_brakes_before_the_wall() {
+        let (robot, way) = (robot(), ClearWay::new(robot().hull(), 0.05));
+        let wheels = Wheels { robot: &robot, last: Twist::new(0.8, 0.0), period_s: 0.05 };
+        let spin = Twist::new(0.0, 2.0);
+        assert_eq!(way.either_way(spin, &wheels, &[at(0.8, 0.0)]), None);
+        assert!(way.either_way(spin, &wheels, &[at(1.0, 0.0)]).is_some());
     }
 }

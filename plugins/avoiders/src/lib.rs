@@ -11,6 +11,7 @@ pub mod near_points;
 pub mod nearest;
 pub mod potential_field;
 pub mod progress;
+pub mod pulse;
 pub mod pure_pursuit;
 pub mod short_memory;
 pub mod sightings;

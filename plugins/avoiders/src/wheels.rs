@@ -83,6 +83,59 @@ pub fn within_limits(twist: Twist, robot: &Robot) -> Twist {
     twist.scaled(by_speed.min(by_turn).min(1.0))
 }
 
+/// The fastest turn that still ends where it should, rad/s: wheels cannot stop a turn at once.
+pub fn turn_in_time_rad_s(error_rad: f64, wanted_rad_s: f64, slowing_rad_s2: f64) -> f64 {
+    let most_rad_s = (2.0 * slowing_rad_s2 * error_rad.abs()).sqrt();
+    wanted_rad_s.clamp(-most_rad_s, most_rad_s)
+}
+
+/// A turn in place to look for a way: it can end while the way is still ahead.
+pub fn searching(spin: Twist, robot: &Robot) -> Twist {
+    const STILL_AHEAD_RAD: f64 = 0.5;
+    let turn_rad_s = turn_in_time_rad_s(STILL_AHEAD_RAD, spin.turn_rad_s, robot.max_turn_accel_rad_s2());
+    Twist { turn_rad_s, ..spin }
+}
+
+/// Wheels on the move: what they can do next.
+#[derive(Debug, Clone, Copy)]
+pub struct Wheels<'a> {
+    /// The robot that they carry.
+    pub robot: &'a Robot,
+    /// What they were told last.
+    pub last: Twist,
+    /// Until they are told again, seconds.
+    pub period_s: f64,
+}
+
+impl Wheels<'_> {
+    /// As much of the change as motors and brakes do in one period, by the rule of the guard.
+    pub fn reach(&self, wanted: Twist) -> Twist {
+        let (robot, last) = (self.robot, self.last);
+        let is_slower = wanted.speed_m_s() < last.speed_m_s();
+        let brakes_m_s2 = robot.braking_m_s2.max(robot.max_accel_m_s2);
+        let accel_m_s2 = if is_slower { brakes_m_s2 } else { robot.max_accel_m_s2 };
+        let forward_m_s = wanted.forward_m_s - last.forward_m_s;
+        let turn_rad_s = wanted.turn_rad_s - last.turn_rad_s;
+        let by_speed = accel_m_s2 * self.period_s / forward_m_s.abs().max(1e-12);
+        let by_turn = robot.max_turn_accel_rad_s2() * self.period_s / turn_rad_s.abs().max(1e-12);
+        let part = by_speed.min(by_turn);
+        if part >= 1.0 {
+            return wanted;
+        }
+        Twist::new(last.forward_m_s + forward_m_s * part, last.turn_rad_s + turn_rad_s * part)
+    }
+
+    /// What is left of the motion after a period of braking.
+    pub fn braked(&self) -> Twist {
+        let slowed = |speed: f64, by: f64| speed.signum() * (speed.abs() - by * self.period_s).max(0.0);
+        let brakes_m_s2 = self.robot.braking_m_s2.max(self.robot.max_accel_m_s2);
+        Twist::new(
+            slowed(self.last.forward_m_s, brakes_m_s2),
+            slowed(self.last.turn_rad_s, self.robot.max_turn_accel_rad_s2()),
+        )
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -33,8 +33,9 @@ pub struct BraitenbergParams {
     pub stop_turn: StopTurn,
     /// What left the view of the sensors.
     pub memory: MemoryParams,
-    /// Room around the hull that the brakes keep, meters; more than the guard's margin. Robots whose limits are those of
-    /// real wheels are slowed by this long before the law turns them.
+    /// Slows and stops in front of everything that the hull would meet; off, as published, this is left to the guard.
+    pub brakes: bool,
+    /// Room around the hull that the brakes keep, meters; more than the guard's margin.
     pub clearance_m: f64,
     /// Points of clouds lower than this over the floor are floor, meters; higher than the robot and `headroom_m` they are
     /// ceiling.
@@ -55,6 +56,7 @@ impl Default for BraitenbergParams {
             spin_m_s: 0.6,
             stop_turn: StopTurn::Latched,
             memory: MemoryParams::default(),
+            brakes: true,
             clearance_m: 0.05,
             floor_m: 0.05,
             headroom_m: 0.10,

@@ -4,9 +4,11 @@ use super::BraitenbergParams;
 use super::vehicle::Vehicle;
 use crate::clear_way::ClearWay;
 use crate::lookout::Lookout;
+use crate::memory_params::MemoryParams;
 use crate::near_points::{NearTuning, Sight};
-use crate::nearest::{Stimulus, nearest};
-use crate::wheels::{track_m, within_limits};
+use crate::nearest::{Side, Stimulus, nearest};
+use crate::pulse::Pulse;
+use crate::wheels::{WheelPair, searching, track_m, within_limits};
 use rumbo_core::frames::Twist;
 use rumbo_core::messages::ObservationKind;
 use rumbo_core::registry::{Manifest, Plugin};
@@ -28,8 +30,11 @@ pub struct Braitenberg {
     vehicle: Vehicle,
     lookout: Lookout,
     clear: ClearWay,
+    pulse: Pulse,
     /// The way ahead is closed, and the robot turns until it is not.
     is_held: bool,
+    /// Which way it turned last while something has been near.
+    held: Option<Side>,
 }
 
 impl Braitenberg {
@@ -50,8 +55,10 @@ impl Braitenberg {
             vehicle: Vehicle::new(params.vehicle(robot)),
             lookout,
             clear: ClearWay::new(robot.hull(), params.clearance_m),
+            pulse: Pulse::default(),
             params: params.clone(),
             is_held: false,
+            held: None,
         })
     }
 
@@ -60,36 +67,45 @@ impl Braitenberg {
         within_limits(self.vehicle.steer(nearest).twist(self.track_m), robot)
     }
 
-    /// The law's motion where the brakes allow it; else what is in the way counts as very near.
+    /// The law's motion where the brakes allow it; else a turn in place until they allow to go straight on.
     fn drive(&mut self, robot: &Robot) -> Twist {
-        let stimulus = nearest(self.lookout.near.points(self.params.memory.repel));
-        let at_stop = Stimulus {
-            distance_m: self.params.stop_distance_m,
-            bearing_rad: stimulus.map_or(0.0, |stimulus| stimulus.bearing_rad),
-        };
-        let straight = Twist::new(self.params.vehicle(robot).speed_m_s, 0.0);
-        let near = self.lookout.near.points(self.params.memory.rotation_check);
-        self.is_held = self.is_held && self.clear.allowed(straight, robot, near).is_none();
-        let wanted = self.wanted(if self.is_held { Some(at_stop) } else { stimulus }, robot);
-        let near = self.lookout.near.points(self.params.memory.rotation_check);
-        if let Some(allowed) = self.clear.allowed(wanted, robot, near) {
-            return allowed;
+        let MemoryParams { rotation_check, repel, .. } = self.params.memory;
+        let stimulus = nearest(self.lookout.near.points(repel));
+        if !self.params.brakes {
+            return self.wanted(stimulus, robot);
         }
-        self.is_held = true;
-        let spin = self.wanted(Some(at_stop), robot);
-        let near = self.lookout.near.points(self.params.memory.rotation_check);
-        let either = [spin, spin.scaled(-1.0)];
-        either.into_iter().find(|spin| self.clear.stops_in_time(*spin, robot, near)).unwrap_or(Twist::ZERO)
+        let law = self.params.vehicle(robot);
+        let near = self.lookout.near.points(rotation_check);
+        let (wheels, straight) = (self.pulse.wheels(robot), Twist::new(law.speed_m_s, 0.0));
+        let is_free = stimulus.is_none_or(|stimulus| stimulus.distance_m > law.slow_distance_m);
+        self.held = self.held.filter(|_| !is_free);
+        self.is_held = self.is_held && self.clear.allowed(straight, &wheels, near).is_none();
+        if !self.is_held {
+            let wanted = self.wanted(stimulus, robot);
+            let wanted = if wanted.forward_m_s == 0.0 { searching(wanted, robot) } else { wanted };
+            let near = self.lookout.near.points(rotation_check);
+            if let Some(allowed) = self.clear.allowed(wanted, &wheels, near) {
+                return allowed;
+            }
+            self.is_held = true;
+        }
+        // The same way as long as anything is near: else a corner would turn it to and fro.
+        let near = self.lookout.near.points(rotation_check);
+        let met = self.clear.first_met(straight, robot, near);
+        let away = Side::away_from(met.map_or(0.0, |point| point.y.atan2(point.x)));
+        let spin = WheelPair::spin(self.held.get_or_insert(away).sign() * law.spin_m_s);
+        let spin = searching(within_limits(spin.twist(self.track_m), robot), robot);
+        self.clear.either_way(spin, &wheels, near).unwrap_or(Twist::ZERO)
     }
 }
 
 impl Avoider for Braitenberg {
     fn steer(&mut self, cx: &mut Cx<'_>, input: &AvoidInput<'_>) -> Result<Steering, AvoidError> {
         self.lookout.look(cx.now, input)?;
-        if self.lookout.near.sight(cx.now)? == Sight::Blind {
-            return Ok(Steering::Drive(Twist::ZERO));
-        }
-        Ok(Steering::Drive(self.drive(input.robot)))
+        self.pulse.beat(cx.now);
+        let is_blind = self.lookout.near.sight(cx.now)? == Sight::Blind;
+        let twist = if is_blind { Twist::ZERO } else { self.drive(input.robot) };
+        Ok(self.pulse.answer(Steering::Drive(twist), input.robot))
     }
 }
 

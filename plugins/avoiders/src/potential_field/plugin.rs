@@ -4,14 +4,15 @@ use super::PotentialFieldParams;
 use super::aim::Progressing;
 use super::descent::{Descent, Place};
 use super::near_rule::{NearControl, Pull};
-use super::turn::{turn_error_rad, turn_in_time_rad_s};
+use super::turn::turn_error_rad;
 use crate::clear_way::ClearWay;
 use crate::explained::is_near_occupied;
 use crate::lookout::Lookout;
 use crate::near_points::{NearTuning, Sight};
 use crate::nearest::nearest;
 use crate::progress::Progress;
-use crate::wheels::{track_m, within_limits};
+use crate::pulse::Pulse;
+use crate::wheels::{searching, track_m, turn_in_time_rad_s, within_limits};
 use rumbo_core::frames::{Point2, Pose2, Twist};
 use rumbo_core::messages::{ObservationKind, Obstacle, Path};
 use rumbo_core::registry::{Manifest, Plugin};
@@ -35,6 +36,7 @@ pub struct PotentialField {
     lookout: Lookout,
     clear: ClearWay,
     progress: Progress,
+    pulse: Pulse,
     along: Progressing,
     following: Option<u64>,
     is_at_end: bool,
@@ -65,6 +67,7 @@ impl PotentialField {
             lookout,
             clear: ClearWay::new(robot.hull(), params.clearance_m),
             progress: Progress::new(Span::from_secs(params.stuck_after_s)),
+            pulse: Pulse::default(),
             along: Progressing::default(),
             params: params.clone(),
             following: None,
@@ -120,7 +123,7 @@ impl PotentialField {
         let is_blocked = self.control.is_blocked(points);
         let twist = self.twist(&pull, is_blocked, input.robot);
         if is_blocked {
-            return (pull, twist);
+            return (pull, searching(twist, input.robot));
         }
         // Wheels that cannot stop a turn at once begin to end it in time.
         let slowing_rad_s2 = input.robot.max_turn_accel_rad_s2();
@@ -134,17 +137,21 @@ impl PotentialField {
 
     /// What may be driven of what is wanted: else a turn in place, to one side or the other.
     fn allowed(&mut self, pull: &Pull, wanted: Twist, robot: &Robot) -> Option<Twist> {
+        if !self.params.brakes {
+            return Some(wanted);
+        }
+        let wheels = self.pulse.wheels(robot);
         let near = self.lookout.near.points(self.params.memory.rotation_check);
-        let allowed = self.clear.allowed(wanted, robot, near);
+        let allowed = self.clear.allowed(wanted, &wheels, near);
         if allowed.is_some() {
             return allowed;
         }
         let spin = if wanted.forward_m_s.abs() > 0.0 {
-            within_limits(self.control.turn_away(pull).twist(self.track_m), robot)
+            searching(within_limits(self.control.turn_away(pull).twist(self.track_m), robot), robot)
         } else {
             wanted
         };
-        [spin, spin.scaled(-1.0)].into_iter().find(|spin| self.clear.stops_in_time(*spin, robot, near))
+        self.clear.either_way(spin, &wheels, near)
     }
 
     fn drive(&mut self, now: Time, path: &Path, input: &AvoidInput<'_>, odom_from_base: &Pose2) -> Steering {
@@ -158,6 +165,26 @@ impl PotentialField {
             return Steering::Blocked { obstacles: self.in_the_way(input) };
         }
         Steering::Drive(allowed.unwrap_or(Twist::ZERO))
+    }
+
+    fn on_its_way(
+        &mut self,
+        now: Time,
+        input: &AvoidInput<'_>,
+        odom_from_base: &Pose2,
+    ) -> Result<Steering, AvoidError> {
+        let Some(path) = self.followed(input) else { return Ok(self.stand()) };
+        if self.lookout.near.sight(now)? == Sight::Blind {
+            return Ok(self.stand());
+        }
+        let left = path.end().position - Point2::from(input.map_from_base.translation.vector);
+        self.is_at_end |= left.norm() <= input.arrival_radius_m;
+        if self.is_at_end {
+            self.progress.rest();
+            let turn = self.at_end(path, input.map_from_base.rotation.angle(), input.robot);
+            return Ok(turn.map_or(Steering::Arrived, Steering::Drive));
+        }
+        Ok(self.drive(now, path, input, odom_from_base))
     }
 
     /// What sensors see just ahead and the map does not show.
@@ -179,18 +206,9 @@ impl PotentialField {
 impl Avoider for PotentialField {
     fn steer(&mut self, cx: &mut Cx<'_>, input: &AvoidInput<'_>) -> Result<Steering, AvoidError> {
         let odom_from_base = self.lookout.look(cx.now, input)?;
-        let Some(path) = self.followed(input) else { return Ok(self.stand()) };
-        if self.lookout.near.sight(cx.now)? == Sight::Blind {
-            return Ok(self.stand());
-        }
-        let left = path.end().position - Point2::from(input.map_from_base.translation.vector);
-        self.is_at_end |= left.norm() <= input.arrival_radius_m;
-        if self.is_at_end {
-            self.progress.rest();
-            let turn = self.at_end(path, input.map_from_base.rotation.angle(), input.robot);
-            return Ok(turn.map_or(Steering::Arrived, Steering::Drive));
-        }
-        Ok(self.drive(cx.now, path, input, &odom_from_base))
+        self.pulse.beat(cx.now);
+        let steering = self.on_its_way(cx.now, input, &odom_from_base)?;
+        Ok(self.pulse.answer(steering, input.robot))
     }
 }
 

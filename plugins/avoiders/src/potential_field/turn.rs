@@ -11,9 +11,3 @@ pub fn turn_error_rad(yaw_rad: f64, path_rad: f64) -> f64 {
     let error_rad = wrap_angle(path_rad - yaw_rad);
     if error_rad <= -PI { PI } else { error_rad }
 }
-
-/// The fastest turn that still ends where it should, rad/s: wheels cannot stop a turn at once.
-pub fn turn_in_time_rad_s(error_rad: f64, wanted_rad_s: f64, slowing_rad_s2: f64) -> f64 {
-    let most_rad_s = (2.0 * slowing_rad_s2 * error_rad.abs()).sqrt();
-    wanted_rad_s.clamp(-most_rad_s, most_rad_s)
-}
