@@ -3,6 +3,7 @@
 
 pub mod braitenberg;
 pub mod clear_way;
+pub mod effort;
 pub mod explained;
 pub mod faults;
 pub mod lookout;

@@ -164,3 +164,6 @@ fn source_of(
     });
     sources.get_mut(at).filter(|source| source.stamp < stamp)
 }
+
+#[cfg(test)]
+mod tests;

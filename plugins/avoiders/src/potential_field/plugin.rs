@@ -6,11 +6,11 @@ use super::descent::{Descent, Place};
 use super::near_rule::{NearControl, Pull};
 use super::turn::turn_error_rad;
 use crate::clear_way::ClearWay;
+use crate::effort::Effort;
 use crate::explained::is_near_occupied;
 use crate::lookout::Lookout;
 use crate::near_points::{NearTuning, Sight};
 use crate::nearest::nearest;
-use crate::progress::Progress;
 use crate::pulse::Pulse;
 use crate::wheels::{searching, track_m, turn_in_time_rad_s, within_limits};
 use rumbo_core::frames::{Point2, Pose2, Twist};
@@ -35,7 +35,7 @@ pub struct PotentialField {
     control: NearControl,
     lookout: Lookout,
     clear: ClearWay,
-    progress: Progress,
+    effort: Effort,
     pulse: Pulse,
     along: Progressing,
     following: Option<u64>,
@@ -66,7 +66,7 @@ impl PotentialField {
             control: NearControl::new(params.near(robot)),
             lookout,
             clear: ClearWay::new(robot.hull(), params.clearance_m),
-            progress: Progress::new(Span::from_secs(params.stuck_after_s)),
+            effort: Effort::new(Span::from_secs(params.stuck_after_s), robot.hull().outer_radius_m()),
             pulse: Pulse::default(),
             along: Progressing::default(),
             params: params.clone(),
@@ -91,7 +91,7 @@ impl PotentialField {
     }
 
     fn stand(&mut self) -> Steering {
-        self.progress.rest();
+        self.effort.rest();
         Steering::Drive(Twist::ZERO)
     }
 
@@ -159,9 +159,9 @@ impl PotentialField {
         let allowed = self.allowed(&pull, wanted, input.robot);
         // A robot that may not move, and one that is held although it may, are stuck alike.
         let told = allowed.unwrap_or(wanted);
-        if told != Twist::ZERO && self.progress.is_stuck(now, told, odom_from_base) {
+        if told != Twist::ZERO && self.effort.is_in_vain(now, told, odom_from_base) {
             self.is_blocked = true;
-            self.progress.rest();
+            self.effort.rest();
             return Steering::Blocked { obstacles: self.in_the_way(input) };
         }
         Steering::Drive(allowed.unwrap_or(Twist::ZERO))
@@ -180,7 +180,7 @@ impl PotentialField {
         let left = path.end().position - Point2::from(input.map_from_base.translation.vector);
         self.is_at_end |= left.norm() <= input.arrival_radius_m;
         if self.is_at_end {
-            self.progress.rest();
+            self.effort.rest();
             let turn = self.at_end(path, input.map_from_base.rotation.angle(), input.robot);
             return Ok(turn.map_or(Steering::Arrived, Steering::Drive));
         }

@@ -19,6 +19,8 @@ use rumbo_core::robot::{Drive, Robot};
 use rumbo_core::time::Time;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+mod on_its_way;
+
 fn pioneer() -> Robot {
     let drive = Drive::Differential { track_m: 0.33 };
     Robot { drive, radius_m: 0.267, max_speed_m_s: 1.2, max_turn_deg_s: 300.0, ..Robot::default() }

@@ -219,25 +219,11 @@ impl Run<'_> {
                     result.time_s = now.as_secs();
                     break;
                 }
-                _ => Twist::ZERO,
+                other => panic!("{now}: {other:?}"),
             };
             assert!(
                 wanted.speed_m_s() <= 1.2 + 1e-9 && wanted.turn_rad_s.abs() <= 300f64.to_radians() + 1e-9
             );
-            if std::env::var("TRACE").is_ok() {
-                println!(
-                    "{:.2} {:.3} {:.3} {:.2} cl {:.3} now {:.2} {:.2} want {:.2} {:.2}",
-                    now.as_secs(),
-                    pose.translation.x,
-                    pose.translation.y,
-                    pose.rotation.angle(),
-                    self.place.clearance_m(place_of(&pose)),
-                    twist.forward_m_s,
-                    twist.turn_rad_s,
-                    wanted.forward_m_s,
-                    wanted.turn_rad_s
-                );
-            }
             twist = obey(twist, wanted, &self.robot);
             result.twists.push(twist);
             let before = place_of(&pose);
