@@ -22,6 +22,7 @@ impl Engine {
             self.look_through_obstacles();
             self.navigator.watch(self.now, map_from_base.translation.vector.into(), &mut self.events);
         }
+        self.watch_for_stalls();
         let at = planning::Situation { now: self.now, map_from_base, map: &self.map, trace: &self.trace };
         self.planning.update(&mut self.navigator, &mut self.schedule, &at, &mut self.events);
         self.times.add(Part::Planner, clock);

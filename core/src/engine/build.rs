@@ -7,6 +7,7 @@ use super::ring::Ring;
 use super::schedule::Schedule;
 use super::scripted::ScriptedDrive;
 use super::seats::{localization, odometer, planning, seat, sensors, task, watched};
+use super::stall::StallMonitor;
 use super::step::Engine;
 use super::wish::WishMotion;
 use crate::frames::Pose3;
@@ -163,6 +164,7 @@ impl Engine {
         Ok(Engine {
             guard: Guard::new(pipeline.robot.clone(), control_period, &watched(pipeline)),
             navigator: Navigator::new(&pipeline.mission),
+            stall: StallMonitor::of(&pipeline.mission, &pipeline.robot),
             orders: Engine::first_orders(pipeline, world.as_ref()),
             pending: Engine::mission_goals(pipeline),
             inbox: Default::default(),

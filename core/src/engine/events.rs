@@ -77,6 +77,13 @@ pub enum EventKind {
         /// Why.
         reason: String,
     },
+    /// The robot should be on its way, and made none for `mission.stuck_after_s`.
+    Stuck {
+        /// Where it stands, in the map.
+        position: Point2,
+        /// What range sensors see nearest to its hull: where in the map, and meters from the hull.
+        closest: Option<(Point2, f64)>,
+    },
     /// A goal took too long.
     TimedOut,
     /// The lost robot was found.
@@ -169,6 +176,19 @@ impl fmt::Display for EventKind {
             }
             EventKind::Arrived(goal) => write!(f, "arrived at ({:.2}, {:.2}) m", goal.x, goal.y),
             EventKind::Unreachable { reason } => write!(f, "unreachable: {reason}"),
+            EventKind::Stuck { position, closest } => {
+                write!(f, "stuck at ({:.2}, {:.2}) m", position.x, position.y)?;
+                match closest {
+                    Some((at, off_m)) => {
+                        write!(
+                            f,
+                            ", closest obstacle at ({:.2}, {:.2}) m, {off_m:.2} m off the hull",
+                            at.x, at.y
+                        )
+                    }
+                    None => write!(f, ", no obstacle in view"),
+                }
+            }
             EventKind::TimedOut => write!(f, "the goal took too long"),
             EventKind::Relocalized => write!(f, "the lost robot was found"),
             EventKind::NotFound => write!(f, "the robot was not found"),

@@ -181,8 +181,6 @@ impl Navigator {
 
     /// The avoider cannot go on: the way is closed here.
     pub fn blocked(&mut self, now: Time, position: Point2, events: &mut Vec<Event>) {
-        self.path = None;
-        self.replans += 1;
         if self.anchor.is_none_or(|anchor| (anchor - position).norm() >= Self::PROGRESS_M) {
             self.anchor = Some(position);
             self.plans_at_anchor = 0;
@@ -194,6 +192,13 @@ impl Navigator {
             let reason = format!("{n} new plans without {:.2} m of progress", Self::PROGRESS_M);
             return self.end(now, Outcome::Stuck(reason), events);
         }
+        self.replan(now, events);
+    }
+
+    /// The path is of no use any more: another one is asked for, if the mission allows that.
+    pub fn replan(&mut self, now: Time, events: &mut Vec<Event>) {
+        self.path = None;
+        self.replans += 1;
         if self.mission.max_replans.is_some_and(|most| self.replans > most) {
             let reason = format!("more than the {} new plans that the mission allows", self.replans - 1);
             return self.end(now, Outcome::Stuck(reason), events);

@@ -13,6 +13,7 @@ use super::schedule::{Schedule, TaskId};
 use super::scripted::ScriptedDrive;
 use super::seat::Seat;
 use super::sense::SensorSeat;
+use super::stall::StallMonitor;
 use super::timing::{Part, StageTimes};
 use super::watchdog::StepLimits;
 use super::wish::WishMotion;
@@ -51,6 +52,7 @@ pub struct Engine {
     pub(super) limits: StepLimits,
     pub(super) guard: Guard,
     pub(super) navigator: Navigator,
+    pub(super) stall: Option<StallMonitor>,
     pub(super) orders: Vec<Order>,
     pub(super) inbox: Inbox,
     pub(super) given: Vec<Order>,

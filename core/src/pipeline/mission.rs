@@ -83,6 +83,14 @@ pub struct Mission {
     /// New plans for one goal at the most; absent for no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_replans: Option<u32>,
+    /// A robot that is on its way and makes less than `stuck_within_m` of it in so long is stuck, seconds: that is an event
+    /// with its place and the closest obstacle. With a planner it asks for a new path, and ends as `stuck` after the
+    /// sixth time in one place; without one it ends as `stuck` at once. A turn is no progress: take more time than the
+    /// robot needs to turn round. Absent: nobody watches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stuck_after_s: Option<f64>,
+    /// Less than this is no progress, by the map and by the odometer, meters.
+    pub stuck_within_m: f64,
 }
 
 impl Default for Mission {
@@ -101,6 +109,8 @@ impl Default for Mission {
             patience_s: 10.0,
             forget_seen_through: true,
             max_replans: None,
+            stuck_after_s: None,
+            stuck_within_m: 0.2,
         }
     }
 }

@@ -129,6 +129,8 @@ pub(super) fn mission(node: Option<&Node>, faults: &mut Faults) -> Mission {
         ("arrival_radius_m", Some(value.arrival_radius_m)),
         ("goal_timeout_s", value.goal_timeout_s),
         ("time_limit_s", Some(value.time_limit_s)),
+        ("stuck_after_s", value.stuck_after_s),
+        ("stuck_within_m", Some(value.stuck_within_m)),
     ];
     let at_least = [
         ("switch_radius_m", Some(value.switch_radius_m)),

@@ -269,7 +269,7 @@ rumbo_core::register_sensor!(ShortestParams, "shortest", "the shortest beam");
 
 params!(
     /// Dead reckoning that writes down what it sees, and may lose itself.
-    ReckoningParams { scale: f64 = 1.0, lost_at_s: f64 = 1e9, fails: bool = false, needs_grid: bool = false }
+    ReckoningParams { scale: f64 = 1.0, lost_at_s: f64 = 1e9, fails: bool = false, needs_grid: bool = false, stands: bool = false }
 );
 struct Reckoning {
     params: ReckoningParams,
@@ -312,7 +312,8 @@ impl Localizer for Reckoning {
         }
         let map_from_odom = self.map_from_odom.ok_or(LocalizeError::NotStarted)?;
         let covariance = nalgebra::Matrix3::identity() * 1e-4;
-        let mut estimate = Estimate::planar(cx.now, map_from_odom * self.odom, self.odom, covariance);
+        let map_from_base = if self.params.stands { map_from_odom } else { map_from_odom * self.odom };
+        let mut estimate = Estimate::planar(cx.now, map_from_base, self.odom, covariance);
         if cx.now > Time::from_secs(self.params.lost_at_s) {
             self.params.lost_at_s = 1e9;
             estimate.status = Status::Lost;
@@ -467,6 +468,8 @@ params!(
         keeps_blocking: bool = false,
         obstacle_x_m: f64 = 1.0,
         nan_at_s: f64 = 1e9,
+        dithers_at_s: f64 = 1e9,
+        dithers_on_paths: u64 = 1_000_000,
     }
 );
 struct Beeline {
@@ -484,6 +487,13 @@ impl Avoider for Beeline {
         let end = input.map_from_base.inverse() * path.end().position;
         if end.coords.norm() < input.arrival_radius_m {
             return Ok(Steering::Arrived);
+        }
+        if cx.now > Time::from_secs(self.params.dithers_at_s)
+            && input.path_number <= self.params.dithers_on_paths
+        {
+            // A degree to either side of where it looks, and never a step.
+            let side = if (cx.now.as_secs() * 2.0) as i64 % 2 == 0 { 1.0 } else { -1.0 };
+            return Ok(Steering::Drive(Twist::new(0.0, 0.1 * side)));
         }
         if cx.now > Time::from_secs(self.params.nan_at_s) {
             return Ok(Steering::Drive(Twist::new(f64::NAN, 0.0)));

@@ -5,6 +5,7 @@ mod automaton;
 mod doubles;
 mod missions;
 mod seats;
+mod stalls;
 
 use rumbo_core::engine::{EndReason, Engine, Event, EventKind, Metrics, Observer, RunEnd, StepView, Summary};
 use rumbo_core::frames::Pose3;
