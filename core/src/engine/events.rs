@@ -3,7 +3,7 @@
 use super::order::State;
 use crate::frames::Point2;
 use crate::messages::Status;
-use crate::time::Time;
+use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -86,6 +86,17 @@ pub enum EventKind {
     },
     /// A goal took too long.
     TimedOut,
+    /// The first news of the person that the robot follows, or the first after a silence.
+    PersonFound(Point2),
+    /// There is no news of the person for `mission.follow.lost_after_s`: the robot waits.
+    PersonLost {
+        /// Where the person was last, in the map.
+        last: Option<Point2>,
+        /// How long ago that was heard, or the run began.
+        silent_for: Span,
+    },
+    /// The robot is with the person, and waits.
+    PersonReached(Point2),
     /// The lost robot was found.
     Relocalized,
     /// The relocalizer gave up: the robot is lost as before.
@@ -190,6 +201,15 @@ impl fmt::Display for EventKind {
                 }
             }
             EventKind::TimedOut => write!(f, "the goal took too long"),
+            EventKind::PersonFound(at) => write!(f, "the person is at ({:.2}, {:.2}) m", at.x, at.y),
+            EventKind::PersonLost { last, silent_for } => {
+                write!(f, "no news of the person for {:.1} s", silent_for.as_secs())?;
+                match last {
+                    Some(at) => write!(f, ", who was at ({:.2}, {:.2}) m", at.x, at.y),
+                    None => write!(f, ", and never any"),
+                }
+            }
+            EventKind::PersonReached(at) => write!(f, "with the person at ({:.2}, {:.2}) m", at.x, at.y),
             EventKind::Relocalized => write!(f, "the lost robot was found"),
             EventKind::NotFound => write!(f, "the robot was not found"),
             EventKind::Guard(intervention) => write!(f, "guard: {intervention}"),

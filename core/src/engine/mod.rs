@@ -9,6 +9,7 @@ mod build_faults;
 mod check;
 mod closest;
 mod events;
+mod following;
 mod guard;
 mod inbox;
 mod localization;

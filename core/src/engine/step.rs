@@ -2,6 +2,7 @@
 
 use super::at_work::{AtWork, Place};
 use super::events::{Event, EventKind};
+use super::following::Following;
 use super::guard::Guard;
 use super::inbox::Inbox;
 use super::localization::Localization;
@@ -52,6 +53,7 @@ pub struct Engine {
     pub(super) limits: StepLimits,
     pub(super) guard: Guard,
     pub(super) navigator: Navigator,
+    pub(super) following: Option<Following>,
     pub(super) stall: Option<StallMonitor>,
     pub(super) orders: Vec<Order>,
     pub(super) inbox: Inbox,

@@ -539,3 +539,50 @@ impl Slam for Believer {
     }
 }
 rumbo_core::register_slam!(BelieverParams, "believer", "believes the wheels");
+
+params!(
+    /// The phone of somebody who is at x, y from time t on, in straight lines, and silent in some spans of time.
+    PhoneParams { route: Vec<[f64; 3]> = vec![], silent_s: Vec<[f64; 2]> = vec![], deviation_m: f64 = 0.0 }
+);
+struct Phone(PhoneParams, BuildContext);
+impl Plugin<dyn Sensor> for PhoneParams {
+    fn manifest(&self) -> Manifest {
+        Manifest { produces: vec![ObservationKind::Custom], ..Manifest::default() }
+    }
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Sensor>, BuildError> {
+        Ok(Box::new(Phone(self.clone(), context.clone())))
+    }
+}
+/// Where somebody with this route is.
+pub fn on_route(route: &[[f64; 3]], t: f64) -> Point2 {
+    let point = |k: usize| Point2::new(route[k][1], route[k][2]);
+    let after = route.partition_point(|[start, ..]| *start <= t);
+    if after == 0 || after == route.len() {
+        return point(after.saturating_sub(1).min(route.len() - 1));
+    }
+    let share = (t - route[after - 1][0]) / (route[after][0] - route[after - 1][0]);
+    point(after - 1) + (point(after) - point(after - 1)) * share
+}
+impl Sensor for Phone {
+    fn poll(
+        &mut self,
+        cx: &mut Cx<'_>,
+        _: &mut dyn World,
+        out: &mut Observations,
+    ) -> Result<(), SensorError> {
+        let t = cx.now.as_secs();
+        if self.0.silent_s.iter().any(|[from, to]| (*from..*to).contains(&t)) {
+            return Ok(());
+        }
+        let person = PersonPosition { position: on_route(&self.0.route, t), deviation_m: self.0.deviation_m };
+        out.push(Observation {
+            sensor: self.1.sensor,
+            stamp: cx.now,
+            base_from_sensor: self.1.base_from_sensor,
+            valid: true,
+            data: Data::Custom(person.to_custom()),
+        });
+        Ok(())
+    }
+}
+rumbo_core::register_sensor!(PhoneParams, "phone", "somebody's phone");

@@ -3,6 +3,7 @@
 
 mod automaton;
 mod doubles;
+mod following;
 mod missions;
 mod seats;
 mod stalls;
