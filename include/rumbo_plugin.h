@@ -310,6 +310,9 @@ typedef struct rumbo_map_mut rumbo_map_mut;
 // Probe: what was recorded under `name` since the last such probe.
 #define RUMBO_PROBE_CHANNEL 8
 
+// Probe: where the person called `name` is in the map's frame; the answer is `RUMBO_ANSWER_POSITION`.
+#define RUMBO_PROBE_PERSON 9
+
 // Answer: `ranges`.
 #define RUMBO_ANSWER_RANGES 0
 
@@ -502,7 +505,7 @@ typedef struct rumbo_probe {
     struct rumbo_intrinsics intrinsics;
     // Marks: full field of view, radians.
     double field_of_view_rad;
-    // Channel: its name.
+    // Channel, person: its name.
     struct rumbo_str name;
 } rumbo_probe;
 

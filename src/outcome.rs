@@ -151,7 +151,7 @@ impl Outcome {
                 "look at the picture: is the way really closed? A smaller clearance of the planner may open it"
             }
             EndReason::Stuck => {
-                "the same place was planned around again and again; see the events in the report"
+                "the robot made no way in one place; the events in the report say where, and what was in the way"
             }
             EndReason::Timeout => "raise `mission.goal_timeout_s`, or look in the report where the time went",
             EndReason::TimeLimit => {

@@ -87,7 +87,7 @@ impl OddWorld {
                 rates_rad_s: [number; 3],
                 accelerations_m_s2: [number; 3],
             }),
-            Probe::Position => Answer::Position([number; 3]),
+            Probe::Position | Probe::Person { .. } => Answer::Position([number; 3]),
             Probe::Contacts => {
                 self.contacts = vec![number; n(2)];
                 Answer::Contacts(&self.contacts)

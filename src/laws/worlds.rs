@@ -78,6 +78,7 @@ fn answers_probes(subject: &Subject) -> Verdict {
         Probe::Position,
         Probe::Contacts,
         marks,
+        Probe::Person { name: "nobody is called this" },
         Probe::Channel { name: "no sensor is called this" },
     ] {
         match world.probe(&probe) {

@@ -18,10 +18,12 @@ impl Engine {
     pub(super) fn plan(&mut self) {
         let clock = Instant::now();
         let map_from_base = self.map_from_base();
+        self.follow_person();
         if self.navigator.state == State::Navigating {
             self.look_through_obstacles();
             self.navigator.watch(self.now, map_from_base.translation.vector.into(), &mut self.events);
         }
+        self.watch_for_stalls();
         let at = planning::Situation { now: self.now, map_from_base, map: &self.map, trace: &self.trace };
         self.planning.update(&mut self.navigator, &mut self.schedule, &at, &mut self.events);
         self.times.add(Part::Planner, clock);
@@ -90,7 +92,7 @@ impl Engine {
         let position = map_from_base.translation.vector.into();
         match seat.settle(checked, read, self.now, &mut self.events) {
             Some(Steering::Drive(twist)) => return twist,
-            Some(Steering::Arrived) => self.navigator.arrive(self.now, &mut self.events),
+            Some(Steering::Arrived) => self.end_path(),
             Some(Steering::Blocked { obstacles }) => {
                 let n_obstacles = obstacles.len();
                 self.events.push(Event { stamp: self.now, kind: EventKind::Blocked { n_obstacles } });

@@ -1,12 +1,14 @@
 //! From a pipeline to an engine.
 
 use super::at_work::AtWork;
+use super::following::Following;
 use super::guard::Guard;
 use super::navigator::Navigator;
 use super::ring::Ring;
 use super::schedule::Schedule;
 use super::scripted::ScriptedDrive;
 use super::seats::{localization, odometer, planning, seat, sensors, task, watched};
+use super::stall::StallMonitor;
 use super::step::Engine;
 use super::wish::WishMotion;
 use crate::frames::Pose3;
@@ -163,6 +165,8 @@ impl Engine {
         Ok(Engine {
             guard: Guard::new(pipeline.robot.clone(), control_period, &watched(pipeline)),
             navigator: Navigator::new(&pipeline.mission),
+            following: Following::of(pipeline),
+            stall: StallMonitor::of(&pipeline.mission, &pipeline.robot),
             orders: Engine::first_orders(pipeline, world.as_ref()),
             pending: Engine::mission_goals(pipeline),
             inbox: Default::default(),
@@ -179,7 +183,7 @@ impl Engine {
             times: Default::default(),
             step: 0,
             n_new: 0,
-            wanders: pipeline.mission.waypoints.is_empty() && script.is_none(),
+            wanders: !pipeline.mission.has_goals() && script.is_none(),
             needed_layers: if pipeline.slam.is_some() { Vec::new() } else { pipeline.wanted_layers() },
             duration: pipeline.duration_s.map(Span::from_secs),
             has_mission: !pipeline.mission.waypoints.is_empty() || script.is_some(),

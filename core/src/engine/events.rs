@@ -3,7 +3,7 @@
 use super::order::State;
 use crate::frames::Point2;
 use crate::messages::Status;
-use crate::time::Time;
+use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -77,8 +77,26 @@ pub enum EventKind {
         /// Why.
         reason: String,
     },
+    /// The robot should be on its way, and made none for `mission.stuck_after_s`.
+    Stuck {
+        /// Where it stands, in the map.
+        position: Point2,
+        /// What range sensors see nearest to its hull: where in the map, and meters from the hull.
+        closest: Option<(Point2, f64)>,
+    },
     /// A goal took too long.
     TimedOut,
+    /// The first news of the person that the robot follows, or the first after a silence.
+    PersonFound(Point2),
+    /// There is no news of the person for `mission.follow.lost_after_s`: the robot waits.
+    PersonLost {
+        /// Where the person was last, in the map.
+        last: Option<Point2>,
+        /// How long ago that was heard, or the run began.
+        silent_for: Span,
+    },
+    /// The robot is with the person, and waits.
+    PersonReached(Point2),
     /// The lost robot was found.
     Relocalized,
     /// The relocalizer gave up: the robot is lost as before.
@@ -169,7 +187,29 @@ impl fmt::Display for EventKind {
             }
             EventKind::Arrived(goal) => write!(f, "arrived at ({:.2}, {:.2}) m", goal.x, goal.y),
             EventKind::Unreachable { reason } => write!(f, "unreachable: {reason}"),
+            EventKind::Stuck { position, closest } => {
+                write!(f, "stuck at ({:.2}, {:.2}) m", position.x, position.y)?;
+                match closest {
+                    Some((at, off_m)) => {
+                        write!(
+                            f,
+                            ", closest obstacle at ({:.2}, {:.2}) m, {off_m:.2} m off the hull",
+                            at.x, at.y
+                        )
+                    }
+                    None => write!(f, ", no obstacle in view"),
+                }
+            }
             EventKind::TimedOut => write!(f, "the goal took too long"),
+            EventKind::PersonFound(at) => write!(f, "the person is at ({:.2}, {:.2}) m", at.x, at.y),
+            EventKind::PersonLost { last, silent_for } => {
+                write!(f, "no news of the person for {:.1} s", silent_for.as_secs())?;
+                match last {
+                    Some(at) => write!(f, ", who was at ({:.2}, {:.2}) m", at.x, at.y),
+                    None => write!(f, ", and never any"),
+                }
+            }
+            EventKind::PersonReached(at) => write!(f, "with the person at ({:.2}, {:.2}) m", at.x, at.y),
             EventKind::Relocalized => write!(f, "the lost robot was found"),
             EventKind::NotFound => write!(f, "the robot was not found"),
             EventKind::Guard(intervention) => write!(f, "guard: {intervention}"),

@@ -52,6 +52,10 @@ pub struct Navigator {
     pub outcome: Option<Outcome>,
     /// The run shall end.
     pub shutdown: bool,
+    /// The goal moves: one that cannot be reached now is no end.
+    pub is_following: bool,
+    /// There was no way to a goal that moves.
+    pub found_no_way: bool,
     mission: Mission,
     goal_since: Time,
     anchor: Option<Point2>,
@@ -82,6 +86,8 @@ impl Navigator {
             replans: 0,
             outcome: None,
             shutdown: false,
+            is_following: mission.follow.is_some(),
+            found_no_way: false,
             mission: mission.clone(),
             goal_since: Time::ZERO,
             anchor: None,
@@ -117,15 +123,32 @@ impl Navigator {
     }
 
     fn begin_goal(&mut self, now: Time, events: &mut Vec<Event>) {
-        self.goal_since = now;
         self.path = None;
+        self.memory.clear();
+        self.count_anew(now, events);
+    }
+
+    /// Takes on a goal that moves. The path and what was found on the way hold until a new path comes; for the next
+    /// position of a trail (`is_next`), tries and time are counted anew.
+    pub fn lead(&mut self, now: Time, goal: Goal, is_next: bool, events: &mut Vec<Event>) {
+        let Some(present) = self.goals.front_mut().filter(|_| self.state == State::Navigating) else {
+            return self.go(now, vec![goal], events);
+        };
+        *present = goal;
+        self.needs_plan = true;
+        if is_next {
+            self.count_anew(now, events);
+        }
+    }
+
+    fn count_anew(&mut self, now: Time, events: &mut Vec<Event>) {
+        self.goal_since = now;
         self.needs_plan = true;
         self.replans = 0;
         self.has_forgotten = false;
         self.patience.renew();
         self.anchor = None;
         self.plans_at_anchor = 0;
-        self.memory.clear();
         if let Some(goal) = self.goals.front() {
             events.push(Event { stamp: now, kind: EventKind::GoalAccepted(goal.position) });
         }
@@ -174,6 +197,10 @@ impl Navigator {
         {
             events.push(Event { stamp: now, kind: EventKind::Unreachable { reason: reason.clone() } });
         }
+        if self.is_following && matches!(outcome, Outcome::Unreachable(_)) {
+            (self.path, self.needs_plan, self.found_no_way) = (None, false, true);
+            return;
+        }
         self.stop();
         self.outcome = Some(outcome);
         self.enter(now, State::Waiting, events);
@@ -181,8 +208,6 @@ impl Navigator {
 
     /// The avoider cannot go on: the way is closed here.
     pub fn blocked(&mut self, now: Time, position: Point2, events: &mut Vec<Event>) {
-        self.path = None;
-        self.replans += 1;
         if self.anchor.is_none_or(|anchor| (anchor - position).norm() >= Self::PROGRESS_M) {
             self.anchor = Some(position);
             self.plans_at_anchor = 0;
@@ -194,6 +219,13 @@ impl Navigator {
             let reason = format!("{n} new plans without {:.2} m of progress", Self::PROGRESS_M);
             return self.end(now, Outcome::Stuck(reason), events);
         }
+        self.replan(now, events);
+    }
+
+    /// The path is of no use any more: another one is asked for, if the mission allows that.
+    pub fn replan(&mut self, now: Time, events: &mut Vec<Event>) {
+        self.path = None;
+        self.replans += 1;
         if self.mission.max_replans.is_some_and(|most| self.replans > most) {
             let reason = format!("more than the {} new plans that the mission allows", self.replans - 1);
             return self.end(now, Outcome::Stuck(reason), events);

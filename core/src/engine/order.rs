@@ -2,7 +2,7 @@
 
 use crate::frames::Pose2;
 use crate::map::Map;
-use crate::messages::Goal;
+use crate::messages::{Goal, PersonPosition};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -67,6 +67,9 @@ pub enum Order {
     SetMap(Box<Map>),
     /// Forget all goals and stop.
     Cancel,
+    /// The person that the mission follows is here: for programs with a tracker of their own. Refused where it follows
+    /// nobody.
+    PersonAt(PersonPosition),
     /// End the run.
     Shutdown,
 }
@@ -80,6 +83,7 @@ impl Order {
             Order::Localize => "localize",
             Order::SetMap(_) => "set_map",
             Order::Cancel => "cancel",
+            Order::PersonAt(_) => "person_at",
             Order::Shutdown => "shutdown",
         }
     }
@@ -93,7 +97,7 @@ impl Order {
             Order::Localize => matches!(state, State::Lost | State::Waiting),
             Order::SetMap(_) => matches!(state, State::NoMap | State::Lost | State::Waiting),
             Order::Cancel => matches!(state, State::Navigating | State::Localizing),
-            Order::Shutdown => true,
+            Order::PersonAt(_) | Order::Shutdown => true,
         }
     }
 }
@@ -120,6 +124,7 @@ mod tests {
         assert_eq!(allowed(&Order::Localize), [0, 1, 0, 1, 0]);
         assert_eq!(allowed(&Order::SetMap(Box::default())), [1, 1, 0, 1, 0]);
         assert_eq!(allowed(&Order::Cancel), [0, 0, 1, 0, 1]);
+        assert_eq!(allowed(&Order::PersonAt(PersonPosition::default())), [1; 5]);
         assert_eq!(allowed(&Order::Shutdown), [1; 5]);
     }
 }

@@ -62,10 +62,12 @@ impl Engine {
             let orders = std::mem::take(&mut self.orders);
             orders.into_iter().for_each(|order| self.obey_one(order));
         }
-        if self.pending.is_empty() {
+        if self.pending.is_empty() && self.following.is_none() {
             return;
         }
         match self.navigator.state {
+            // Where the person was when the robot got lost is no goal any more.
+            State::Waiting if self.following.is_some() => self.pending.clear(),
             State::Waiting => {
                 let goals = std::mem::take(&mut self.pending);
                 self.obey_one(Order::GoTo(goals));
@@ -77,11 +79,12 @@ impl Engine {
 
     fn obey_one(&mut self, order: Order) {
         let state = self.navigator.state;
-        let finite = match &order {
+        let is_sound = match &order {
             Order::GoTo(goals) => goals.iter().all(|goal| goal.check().is_ok()),
+            Order::PersonAt(person) => person.check().is_ok() && self.following.is_some(),
             _ => true,
         };
-        if !order.is_allowed(state) || !finite {
+        if !order.is_allowed(state) || !is_sound {
             let kind = EventKind::Refused { command: order.name(), state };
             return self.events.push(Event { stamp: self.now, kind });
         }
@@ -89,6 +92,7 @@ impl Engine {
             Order::GoTo(goals) => {
                 self.has_mission = true;
                 self.script = None;
+                self.follow_nobody();
                 self.navigator.go(self.now, goals, &mut self.events);
             }
             Order::SetPose { map_from_base, covariance } => {
@@ -107,7 +111,13 @@ impl Engine {
                 self.settle_search(started, State::Localizing);
             }
             Order::SetMap(map) => self.set_map(*map),
+            Order::PersonAt(person) => {
+                if let Some(following) = &mut self.following {
+                    following.hear(self.now, self.now, &person, &mut self.events);
+                }
+            }
             Order::Cancel => {
+                self.follow_nobody();
                 self.navigator.stop();
                 self.wish.clear();
                 let to = if state == State::Localizing { State::Lost } else { State::Waiting };
@@ -115,6 +125,12 @@ impl Engine {
             }
             Order::Shutdown => self.navigator.shutdown = true,
         }
+    }
+
+    /// Somebody else says from now on where to go.
+    fn follow_nobody(&mut self) {
+        self.following = None;
+        self.navigator.is_following = false;
     }
 
     fn settle_search(&mut self, started: bool, to: State) {

@@ -104,6 +104,11 @@ impl Planning {
         self.running.as_ref().and_then(|running| running.job.due())
     }
 
+    /// A planner is at work.
+    pub fn is_at_work(&self) -> bool {
+        self.running.is_some()
+    }
+
     /// Tells a planner at work to stop.
     pub fn give_up(&self) {
         if let Some(running) = &self.running {

@@ -133,13 +133,19 @@ impl Engine {
             return Some(RunEnd::new(EndReason::StageFailed, Some(detail)));
         }
         let since_start = self.now - self.started;
-        if self.has_mission {
+        if self.has_mission || self.following.is_some() {
             let limit = Span::from_secs(self.navigator.mission().time_limit_s);
             let over = || RunEnd::new(EndReason::TimeLimit, Some(format!("after {} s", limit.as_secs())));
             let outcome = self.navigator.outcome.take();
-            return outcome.map(end_of).or_else(|| (since_start >= limit).then(over));
+            let end = outcome.map(end_of).or_else(|| (since_start >= limit).then(over));
+            if end.is_some() || self.has_mission {
+                return end;
+            }
         }
         let limit = self.duration.or_else(|| {
+            if self.following.is_some() {
+                return None;
+            }
             // A recording ends by itself.
             self.world.next_recorded().is_none().then(|| Span::from_secs(Self::DEFAULT_DURATION_S))
         })?;

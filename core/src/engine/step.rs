@@ -2,6 +2,7 @@
 
 use super::at_work::{AtWork, Place};
 use super::events::{Event, EventKind};
+use super::following::Following;
 use super::guard::Guard;
 use super::inbox::Inbox;
 use super::localization::Localization;
@@ -13,6 +14,7 @@ use super::schedule::{Schedule, TaskId};
 use super::scripted::ScriptedDrive;
 use super::seat::Seat;
 use super::sense::SensorSeat;
+use super::stall::StallMonitor;
 use super::timing::{Part, StageTimes};
 use super::watchdog::StepLimits;
 use super::wish::WishMotion;
@@ -51,6 +53,8 @@ pub struct Engine {
     pub(super) limits: StepLimits,
     pub(super) guard: Guard,
     pub(super) navigator: Navigator,
+    pub(super) following: Option<Following>,
+    pub(super) stall: Option<StallMonitor>,
     pub(super) orders: Vec<Order>,
     pub(super) inbox: Inbox,
     pub(super) given: Vec<Order>,

@@ -3,8 +3,9 @@
 //! The way to a standstill at the present speed, `v²/(2·braking) + v·latency`, and a margin, counted from the hull. Only
 //! motion toward what is that near is held back: a robot may always back out or turn away if its hull passes.
 
-use crate::frames::{Point2, Pose2, Twist, flatten};
-use crate::messages::{Data, Observation, SensorId};
+use super::range_points::{for_each_point, has_points};
+use crate::frames::{Point2, Pose2, Twist};
+use crate::messages::{Observation, SensorId};
 use crate::robot::{Hull, Robot};
 
 /// What one sensor last saw nearby.
@@ -45,41 +46,13 @@ impl StopZone {
 
     /// Takes in a reading of a range sensor or bumper; `odom_from_base` is where the base was then.
     pub fn see(&mut self, observation: &Observation, odom_from_base: &Pose2) {
-        let reach_m = self.reach_m;
-        let base_from_sensor = flatten(&observation.base_from_sensor);
-        if !matches!(observation.data, Data::LaserScan(_) | Data::RangeRing(_) | Data::Bumpers(_)) {
+        if !has_points(observation) {
             return;
         }
+        let reach_m = self.reach_m;
         let odom_points = self.points_of(observation.sensor);
         odom_points.clear();
-        let mut keep = |in_sensor: Point2| {
-            let in_base = base_from_sensor * in_sensor;
-            if in_base.coords.norm() <= reach_m {
-                odom_points.push(odom_from_base * in_base);
-            }
-        };
-        let polar =
-            |bearing: f64, range_m: f64| Point2::new(range_m * bearing.cos(), range_m * bearing.sin());
-        let limit_m = reach_m + base_from_sensor.translation.vector.norm();
-        match &observation.data {
-            Data::LaserScan(scan) => {
-                scan.hits()
-                    .filter(|(_, range)| *range <= limit_m)
-                    .for_each(|(b, range)| keep(polar(b, range)));
-            }
-            Data::RangeRing(ring) => {
-                for (idx, range) in ring.ranges_m.iter().enumerate() {
-                    if *range >= ring.min_range_m && *range <= ring.max_range_m {
-                        let bearing = ring.first_bearing_rad + ring.bearing_step_rad * idx as f64;
-                        keep(polar(bearing, ring.ring_radius_m + f64::from(*range)));
-                    }
-                }
-            }
-            Data::Bumpers(bumpers) => {
-                bumpers.touching().for_each(|bearing| keep(polar(bearing, bumpers.ring_radius_m)));
-            }
-            _ => {}
-        }
+        for_each_point(observation, reach_m, |in_base| odom_points.push(odom_from_base * in_base));
     }
 
     fn points_of(&mut self, sensor: SensorId) -> &mut Vec<Point2> {

@@ -1,6 +1,7 @@
 //! Readings with structure: depth pictures, point clouds, recognized marks, and the kind for everything else.
 
 use super::check::{Check, Checker, MessageFault};
+use super::person::PersonPosition;
 use crate::boundary::Buffer;
 
 /// A pinhole camera without distortion: pixel `u = cx + fx·x/z`, `v = cy + fy·y/z`, z ahead, x right, y down.
@@ -103,6 +104,7 @@ pub struct Custom {
 impl Check for Custom {
     fn check(&self) -> Result<(), MessageFault> {
         let found = usize::from(!self.schema.trim().is_empty());
-        Checker("custom").equal("schema", found, 1)
+        Checker("custom").equal("schema", found, 1)?;
+        PersonPosition::read(self).map_or(Ok(()), |person| person.map(|_| ()))
     }
 }

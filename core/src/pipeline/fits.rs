@@ -1,6 +1,7 @@
 //! Do the parts of a pipeline fit together? What each plugin declares is enough to tell.
 
 use super::draft::Draft;
+use super::followed::followed;
 use super::section::Section;
 use super::{InitialPose, Rate, Seat, WellKnownPose};
 use crate::document::{Fault, FaultCode, Faults, join_path};
@@ -235,17 +236,19 @@ fn start_pose(draft: &Draft, faults: &mut Faults) {
 }
 
 fn mission(draft: &Draft, faults: &mut Faults) {
-    let has_goals = !draft.mission.waypoints.is_empty();
-    if let Some(node) = draft.mission_node.as_ref().filter(|_| has_goals)
+    let has_waypoints = !draft.mission.waypoints.is_empty();
+    let key = if has_waypoints { "waypoints" } else { "follow" };
+    if let Some(node) = draft.mission_node.as_ref().filter(|_| draft.mission.has_goals())
         && draft.single(Seat::Avoider).is_none()
     {
         let message = "the robot has somewhere to go, but without [avoider] it never drives";
-        let place = node.nearest("waypoints").place();
-        let fault = Fault::new(FaultCode::MissingPart, "mission.waypoints", place, message);
+        let place = node.nearest(key).place();
+        let fault = Fault::new(FaultCode::MissingPart, join_path("mission", key), place, message);
         faults.push(fault.help("name a plugin in [avoider]"));
     }
+    followed(draft, faults);
     for (idx, node) in draft.test_nodes.iter().enumerate() {
-        let Some(key) = node.nearest("expect").get("arrives_within_s").filter(|_| !has_goals) else {
+        let Some(key) = node.nearest("expect").get("arrives_within_s").filter(|_| !has_waypoints) else {
             continue;
         };
         // With faults in the mission nobody knows whether it has waypoints.

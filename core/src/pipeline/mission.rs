@@ -57,6 +57,10 @@ pub struct Mission {
     /// guard lets it; the drive ends at the last `t_s`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub commands: Option<PathBuf>,
+    /// A person to follow instead of waypoints: `{ sensor = "phone" }` with the name of a sensor that says where somebody
+    /// is. The run lasts for `[world] duration_s`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub follow: Option<Follow>,
     /// Within this distance of a waypoint that is not the last one the robot goes on to the next, meters; 0 means that
     /// it arrives at each.
     pub switch_radius_m: f64,
@@ -83,6 +87,45 @@ pub struct Mission {
     /// New plans for one goal at the most; absent for no limit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_replans: Option<u32>,
+    /// A robot that is on its way and makes less than `stuck_within_m` of it in so long is stuck, seconds: that is an event
+    /// with its place and the closest obstacle. With a planner it asks for a new path, and ends as `stuck` after the
+    /// sixth time in one place; without one it ends as `stuck` at once. A turn is no progress: take more time than the
+    /// robot needs to turn round. Absent: nobody watches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stuck_after_s: Option<f64>,
+    /// Less than this is no progress, by the map and by the odometer, meters.
+    pub stuck_within_m: f64,
+}
+
+/// A person to follow.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Follow {
+    /// Name of the sensor that says where the person is, such as one with `plugin = "person_tracker"`. Absent: the positions
+    /// come as orders (`person_at`) of the program that runs the engine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<String>,
+    /// This near the robot stops, from its middle to the person's position, meters; `arrival_radius_m` where that is more.
+    pub stop_distance_m: f64,
+    /// A person who is ahead leaves a position to pass behind after each so many meters.
+    pub spacing_m: f64,
+    /// Within this distance such a position is passed, and the robot goes on to the next, meters.
+    pub pass_radius_m: f64,
+    /// Without news for so long the person is lost, and the robot waits, seconds.
+    pub lost_after_s: f64,
+}
+
+impl Default for Follow {
+    fn default() -> Self {
+        Follow { sensor: None, stop_distance_m: 0.5, spacing_m: 0.7, pass_radius_m: 0.7, lost_after_s: 5.0 }
+    }
+}
+
+impl Mission {
+    /// There is somewhere to go.
+    pub fn has_goals(&self) -> bool {
+        !self.waypoints.is_empty() || self.follow.is_some()
+    }
 }
 
 impl Default for Mission {
@@ -90,6 +133,7 @@ impl Default for Mission {
         Mission {
             waypoints: Vec::new(),
             commands: None,
+            follow: None,
             switch_radius_m: 0.0,
             arrival_radius_m: 0.10,
             goal_timeout_s: None,
@@ -101,6 +145,8 @@ impl Default for Mission {
             patience_s: 10.0,
             forget_seen_through: true,
             max_replans: None,
+            stuck_after_s: None,
+            stuck_within_m: 0.2,
         }
     }
 }

@@ -5,6 +5,7 @@
 
 mod draft;
 mod fits;
+mod followed;
 mod libraries;
 mod load;
 mod mission;
@@ -19,7 +20,7 @@ mod spec;
 
 pub use libraries::{Pinned, PluginFile};
 pub use load::Loaded;
-pub use mission::{Expect, InitialPose, Mission, PipelineTest, Waypoint, WellKnownPose};
+pub use mission::{Expect, Follow, InitialPose, Mission, PipelineTest, Waypoint, WellKnownPose};
 pub use own_sections::{Head, RecordTo};
 pub use reserved::{Mount, Reserved};
 pub use schema::schema;

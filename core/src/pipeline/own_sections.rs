@@ -125,10 +125,17 @@ pub(super) fn mission(node: Option<&Node>, faults: &mut Faults) -> Mission {
     let Some(Parsed { value, .. }) = parse_table::<Mission>(node, "mission", faults) else {
         return Mission::default();
     };
+    let follow = value.follow.as_ref();
     let above = [
+        ("follow.stop_distance_m", follow.map(|follow| follow.stop_distance_m)),
+        ("follow.spacing_m", follow.map(|follow| follow.spacing_m)),
+        ("follow.pass_radius_m", follow.map(|follow| follow.pass_radius_m)),
+        ("follow.lost_after_s", follow.map(|follow| follow.lost_after_s)),
         ("arrival_radius_m", Some(value.arrival_radius_m)),
         ("goal_timeout_s", value.goal_timeout_s),
         ("time_limit_s", Some(value.time_limit_s)),
+        ("stuck_after_s", value.stuck_after_s),
+        ("stuck_within_m", Some(value.stuck_within_m)),
     ];
     let at_least = [
         ("switch_radius_m", Some(value.switch_radius_m)),
@@ -141,10 +148,16 @@ pub(super) fn mission(node: Option<&Node>, faults: &mut Faults) -> Mission {
     let wrong_least = at_least.into_iter().filter(|(_, number)| number.is_some_and(|number| number < 0.0));
     let wrong =
         wrong_above.map(|wrong| (wrong, "above 0")).chain(wrong_least.map(|wrong| (wrong, "at least 0")));
-    if value.commands.is_some() && !value.waypoints.is_empty() {
-        let message = "stands beside waypoints; a mission has the one or the other".to_owned();
-        let place = node.nearest("commands").origin;
-        faults.push(Fault::new(FaultCode::BadValue, "mission.commands", place, message));
+    let missions = [
+        ("commands", value.commands.is_some()),
+        ("follow", follow.is_some()),
+        ("waypoints", !value.waypoints.is_empty()),
+    ];
+    let mut missions = missions.into_iter().filter(|(_, is_given)| *is_given).map(|(key, _)| key);
+    if let (Some(first), Some(second)) = (missions.next(), missions.next()) {
+        let message = format!("stands beside {second}; a mission has the one or the other");
+        let place = node.nearest(first).origin;
+        faults.push(Fault::new(FaultCode::BadValue, join_path("mission", first), place, message));
     }
     for ((key, number), expected) in wrong {
         let message = format!("is {}, expected {expected}", number.unwrap_or_default());

@@ -31,7 +31,7 @@ fn name_of(section: &Section) -> &str {
     section.reserved.name.as_deref().unwrap_or("")
 }
 
-fn unknown_name(wanted: &str, names: &[&str]) -> String {
+pub(super) fn unknown_name(wanted: &str, names: &[&str]) -> String {
     match did_you_mean(wanted, names.iter().copied()) {
         Some(close) => format!("no sensor is called `{wanted}`, did you mean {close}?"),
         None if names.is_empty() => format!("no sensor is called `{wanted}`"),

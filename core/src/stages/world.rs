@@ -147,6 +147,12 @@ pub enum Probe<'a> {
         /// Beyond this nothing is recognized, meters.
         max_range_m: f64,
     },
+    /// Where the person of this name is in the map's frame; the answer is [`Answer::Position`]. For sensors that stand for
+    /// what the person carries.
+    Person {
+        /// The person's name in the world.
+        name: &'a str,
+    },
     /// What was recorded under this name since the last probe for it; the answer is [`Answer::Recorded`].
     Channel {
         /// Name of the channel; the sensor's own name by default.
@@ -166,6 +172,7 @@ impl Probe<'_> {
             Probe::Position => "a position fix",
             Probe::Contacts => "contacts",
             Probe::Marks { .. } => "marks",
+            Probe::Person { .. } => "person of this name",
             Probe::Channel { .. } => "a recorded channel",
         }
     }

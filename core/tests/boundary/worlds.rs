@@ -52,6 +52,7 @@ impl World for Rich {
             Probe::Position => Answer::Position([1.0, 2.0, 3.0]),
             Probe::Contacts => Answer::Contacts(&[0.5, -0.5]),
             Probe::Marks { .. } => Answer::Marks(&self.marks),
+            Probe::Person { name: "anna" } => Answer::Position([4.0, 5.0, 0.0]),
             Probe::Channel { name: "front" } => Answer::Recorded(&self.recorded),
             Probe::Channel { name: "live" } => Answer::Live,
             Probe::Channel { name: "broken" } => {
@@ -94,6 +95,8 @@ pub fn ask_everything(world: &mut dyn World) -> Vec<String> {
         Probe::Position,
         Probe::Contacts,
         Probe::Marks { base_from_sensor: &mount, field_of_view_rad: 1.0, max_range_m: 9.0 },
+        Probe::Person { name: "anna" },
+        Probe::Person { name: "nobody" },
         Probe::Channel { name: "front" },
         Probe::Channel { name: "live" },
         Probe::Channel { name: "broken" },

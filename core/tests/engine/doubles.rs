@@ -269,7 +269,7 @@ rumbo_core::register_sensor!(ShortestParams, "shortest", "the shortest beam");
 
 params!(
     /// Dead reckoning that writes down what it sees, and may lose itself.
-    ReckoningParams { scale: f64 = 1.0, lost_at_s: f64 = 1e9, fails: bool = false, needs_grid: bool = false }
+    ReckoningParams { scale: f64 = 1.0, lost_at_s: f64 = 1e9, fails: bool = false, needs_grid: bool = false, stands: bool = false }
 );
 struct Reckoning {
     params: ReckoningParams,
@@ -312,7 +312,8 @@ impl Localizer for Reckoning {
         }
         let map_from_odom = self.map_from_odom.ok_or(LocalizeError::NotStarted)?;
         let covariance = nalgebra::Matrix3::identity() * 1e-4;
-        let mut estimate = Estimate::planar(cx.now, map_from_odom * self.odom, self.odom, covariance);
+        let map_from_base = if self.params.stands { map_from_odom } else { map_from_odom * self.odom };
+        let mut estimate = Estimate::planar(cx.now, map_from_base, self.odom, covariance);
         if cx.now > Time::from_secs(self.params.lost_at_s) {
             self.params.lost_at_s = 1e9;
             estimate.status = Status::Lost;
@@ -467,6 +468,8 @@ params!(
         keeps_blocking: bool = false,
         obstacle_x_m: f64 = 1.0,
         nan_at_s: f64 = 1e9,
+        dithers_at_s: f64 = 1e9,
+        dithers_on_paths: u64 = 1_000_000,
     }
 );
 struct Beeline {
@@ -484,6 +487,13 @@ impl Avoider for Beeline {
         let end = input.map_from_base.inverse() * path.end().position;
         if end.coords.norm() < input.arrival_radius_m {
             return Ok(Steering::Arrived);
+        }
+        if cx.now > Time::from_secs(self.params.dithers_at_s)
+            && input.path_number <= self.params.dithers_on_paths
+        {
+            // A degree to either side of where it looks, and never a step.
+            let side = if (cx.now.as_secs() * 2.0) as i64 % 2 == 0 { 1.0 } else { -1.0 };
+            return Ok(Steering::Drive(Twist::new(0.0, 0.1 * side)));
         }
         if cx.now > Time::from_secs(self.params.nan_at_s) {
             return Ok(Steering::Drive(Twist::new(f64::NAN, 0.0)));
@@ -529,3 +539,50 @@ impl Slam for Believer {
     }
 }
 rumbo_core::register_slam!(BelieverParams, "believer", "believes the wheels");
+
+params!(
+    /// The phone of somebody who is at x, y from time t on, in straight lines, and silent in some spans of time.
+    PhoneParams { route: Vec<[f64; 3]> = vec![], silent_s: Vec<[f64; 2]> = vec![], deviation_m: f64 = 0.0 }
+);
+struct Phone(PhoneParams, BuildContext);
+impl Plugin<dyn Sensor> for PhoneParams {
+    fn manifest(&self) -> Manifest {
+        Manifest { produces: vec![ObservationKind::Custom], ..Manifest::default() }
+    }
+    fn build(&self, context: &BuildContext) -> Result<Box<dyn Sensor>, BuildError> {
+        Ok(Box::new(Phone(self.clone(), context.clone())))
+    }
+}
+/// Where somebody with this route is.
+pub fn on_route(route: &[[f64; 3]], t: f64) -> Point2 {
+    let point = |k: usize| Point2::new(route[k][1], route[k][2]);
+    let after = route.partition_point(|[start, ..]| *start <= t);
+    if after == 0 || after == route.len() {
+        return point(after.saturating_sub(1).min(route.len() - 1));
+    }
+    let share = (t - route[after - 1][0]) / (route[after][0] - route[after - 1][0]);
+    point(after - 1) + (point(after) - point(after - 1)) * share
+}
+impl Sensor for Phone {
+    fn poll(
+        &mut self,
+        cx: &mut Cx<'_>,
+        _: &mut dyn World,
+        out: &mut Observations,
+    ) -> Result<(), SensorError> {
+        let t = cx.now.as_secs();
+        if self.0.silent_s.iter().any(|[from, to]| (*from..*to).contains(&t)) {
+            return Ok(());
+        }
+        let person = PersonPosition { position: on_route(&self.0.route, t), deviation_m: self.0.deviation_m };
+        out.push(Observation {
+            sensor: self.1.sensor,
+            stamp: cx.now,
+            base_from_sensor: self.1.base_from_sensor,
+            valid: true,
+            data: Data::Custom(person.to_custom()),
+        });
+        Ok(())
+    }
+}
+rumbo_core::register_sensor!(PhoneParams, "phone", "somebody's phone");

@@ -3,8 +3,10 @@
 
 mod automaton;
 mod doubles;
+mod following;
 mod missions;
 mod seats;
+mod stalls;
 
 use rumbo_core::engine::{EndReason, Engine, Event, EventKind, Metrics, Observer, RunEnd, StepView, Summary};
 use rumbo_core::frames::Pose3;

@@ -5,6 +5,7 @@ pub mod bumper_ring;
 pub mod laser_2d;
 pub mod lms200;
 pub mod mark_camera;
+pub mod person_tracker;
 pub mod sonar_ring;
 pub mod steering_encoder;
 pub mod wheel_encoders;

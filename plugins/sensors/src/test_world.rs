@@ -16,6 +16,8 @@ pub(crate) struct TestWorld {
     pub recorded: Option<Vec<Observation>>,
     pub contacts_rad: Vec<f64>,
     pub marks: Marks,
+    /// Somebody, and where.
+    pub person: Option<(String, [f64; 3])>,
     /// Sensors shall read their own devices.
     pub is_live: bool,
     ranges_m: Vec<f32>,
@@ -29,6 +31,7 @@ impl TestWorld {
             recorded: None,
             contacts_rad: Vec::new(),
             marks: Marks::default(),
+            person: None,
             is_live: false,
             ranges_m: Vec::new(),
         }
@@ -75,6 +78,12 @@ impl World for TestWorld {
                 };
                 self.ranges_m = bearings_rad.iter().map(range_m).collect();
                 Ok(Answer::Ranges(&self.ranges_m))
+            }
+            (Probe::Person { name }, None) => {
+                let found = self.person.as_ref().filter(|(known, _)| known == name);
+                found
+                    .map(|(_, at)| Answer::Position(*at))
+                    .ok_or(WorldError::Unsupported { probe: probe.name() })
             }
             (Probe::Marks { .. }, None) => Ok(Answer::Marks(&self.marks)),
             (Probe::Contacts, None) => Ok(Answer::Contacts(&self.contacts_rad)),

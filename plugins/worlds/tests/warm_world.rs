@@ -53,6 +53,7 @@ fn tick(world: &mut dyn World, number: i64) {
     assert!(world.probe(&cones).is_ok());
     let intrinsics = &Intrinsics { width: 32, height: 24, focal_px: [30.0, 30.0], center_px: [16.0, 12.0] };
     assert!(world.probe(&Probe::Depth { base_from_sensor: &level, intrinsics, max_range_m }).is_ok());
+    let _ = world.probe(&Probe::Person { name: "nobody" });
     for probe in [Probe::Wheels, Probe::Attitude, Probe::Position, Probe::Contacts] {
         assert!(world.probe(&probe).is_ok());
     }

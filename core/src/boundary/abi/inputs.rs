@@ -303,6 +303,8 @@ pub const RUMBO_PROBE_CONTACTS: u32 = 6;
 pub const RUMBO_PROBE_MARKS: u32 = 7;
 /// Probe: what was recorded under `name` since the last such probe.
 pub const RUMBO_PROBE_CHANNEL: u32 = 8;
+/// Probe: where the person called `name` is in the map's frame; the answer is `RUMBO_ANSWER_POSITION`.
+pub const RUMBO_PROBE_PERSON: u32 = 9;
 
 /// What a sensor asks the world; fields that the kind does not name are ignored.
 #[repr(C)]
@@ -334,7 +336,7 @@ pub struct rumbo_probe {
     pub intrinsics: rumbo_intrinsics,
     /// Marks: full field of view, radians.
     pub field_of_view_rad: f64,
-    /// Channel: its name.
+    /// Channel, person: its name.
     pub name: rumbo_str,
 }
 

@@ -208,6 +208,7 @@ fn question_of(probe: &Probe<'_>) -> rumbo_probe {
             (q.kind, q.base_from_sensor) = (RUMBO_PROBE_MARKS, rumbo_pose3_of(base_from_sensor));
             (q.field_of_view_rad, q.max_range_m) = (field_of_view_rad, max_range_m);
         }
+        Probe::Person { name } => (q.kind, q.name) = (RUMBO_PROBE_PERSON, text_of(name)),
         Probe::Channel { name } => (q.kind, q.name) = (RUMBO_PROBE_CHANNEL, text_of(name)),
         Probe::Wheels => q.kind = RUMBO_PROBE_WHEELS,
         Probe::Attitude => q.kind = RUMBO_PROBE_ATTITUDE,

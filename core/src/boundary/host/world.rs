@@ -163,6 +163,7 @@ unsafe fn question<'p>(
             Probe::Marks { base_from_sensor, field_of_view_rad: probe.field_of_view_rad, max_range_m }
         }
         // SAFETY: as promised by the caller.
+        RUMBO_PROBE_PERSON => Probe::Person { name: unsafe { str_from(probe.name) }? },
         RUMBO_PROBE_CHANNEL => Probe::Channel { name: unsafe { str_from(probe.name) }? },
         _ => return None,
     })

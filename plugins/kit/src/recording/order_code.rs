@@ -6,7 +6,8 @@ use super::outputs::{place2, points, put_points};
 use super::pose::numbers2;
 use nalgebra::Matrix3;
 use rumbo_core::engine::Order;
-use rumbo_core::messages::{Goal, PathPoint};
+use rumbo_core::frames::Point2;
+use rumbo_core::messages::{Goal, PathPoint, PersonPosition};
 
 /// Writes an order.
 pub fn put_order(cdr: &mut CdrWriter, order: &Order) {
@@ -19,6 +20,11 @@ pub fn put_order(cdr: &mut CdrWriter, order: &Order) {
         Order::SetPose { map_from_base, covariance } => {
             cdr.f64s(&numbers2(map_from_base));
             cdr.f64s(covariance.as_slice());
+        }
+        // The place where a pose goes, without a direction, and the deviation where a covariance goes.
+        Order::PersonAt(person) => {
+            cdr.f64s(&[person.position.x, person.position.y]);
+            cdr.f64s(&[person.deviation_m]);
         }
         _ => {
             cdr.f64s(&[]);
@@ -51,6 +57,13 @@ pub fn read_order(message: &[u8]) -> Result<Order, CdrError> {
         },
         "localize" => Order::Localize,
         "set_map" => Order::SetMap(Box::new(read_map(cdr.octets()?)?)),
+        "person_at" => match (pose.as_slice(), covariance.as_slice()) {
+            ([x, y], [deviation_m]) => {
+                let (position, deviation_m) = (Point2::new(*x, *y), *deviation_m);
+                Order::PersonAt(PersonPosition { position, deviation_m })
+            }
+            _ => return Err(bad(name)),
+        },
         "cancel" => Order::Cancel,
         "shutdown" => Order::Shutdown,
         _ => return Err(bad(name)),
@@ -60,7 +73,7 @@ pub fn read_order(message: &[u8]) -> Result<Order, CdrError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rumbo_core::frames::{Point2, pose2};
+    use rumbo_core::frames::pose2;
     use rumbo_core::map::{Grid, Map};
 
     #[test]
@@ -72,6 +85,7 @@ mod tests {
             Order::SetPose { map_from_base: pose2(1.0, 2.0, 0.1), covariance: Matrix3::new_scaling(0.3) },
             Order::Localize,
             Order::SetMap(Box::new(map)),
+            Order::PersonAt(PersonPosition { position: Point2::new(0.1, 1.0 / 3.0), deviation_m: 0.7 }),
             Order::Cancel,
             Order::Shutdown,
         ];

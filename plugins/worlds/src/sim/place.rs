@@ -176,6 +176,11 @@ impl Place {
         (self.lattice_from_map * point) / self.resolution_m
     }
 
+    /// Where the person of this name is, in the map.
+    pub fn person(&self, name: &str) -> Option<Point> {
+        self.walkers.iter().find(|walker| walker.name() == name).map(Walker::center)
+    }
+
     /// Moves people and doors to where they are at a time, with the robot at `map_from_base`.
     pub fn set_time(&mut self, time_s: f64, map_from_base: &Pose2) {
         let mut movers = std::mem::take(&mut self.movers);

@@ -173,6 +173,10 @@ impl World for SimWorld {
             Probe::Position => {
                 Ok(Answer::Position(simulation.truth().map_from_base.translation.vector.into()))
             }
+            Probe::Person { name } => {
+                let place = simulation.place.person(name).map(|at| [at.x, at.y, 0.0]);
+                place.map(Answer::Position).ok_or(WorldError::Unsupported { probe: probe.name() })
+            }
             Probe::Contacts => {
                 simulation.body.contacts(&mut simulation.place, &mut self.contacts_rad);
                 Ok(Answer::Contacts(&self.contacts_rad))

@@ -29,6 +29,16 @@ impl Walker {
         self.person.height_m
     }
 
+    /// Whose walk it is.
+    pub fn name(&self) -> &str {
+        &self.person.name
+    }
+
+    /// The middle of the body, in the map.
+    pub fn center(&self) -> Point {
+        person::place(&self.person, self.walked_m).0
+    }
+
     /// The body as discs on the floor: center and radius in meters.
     pub fn discs(&self) -> impl Iterator<Item = (Point, f64)> + use<> {
         person::discs(&self.person, self.walked_m)

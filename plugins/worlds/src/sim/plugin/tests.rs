@@ -208,3 +208,31 @@ fn a_companion_crosses_in_front_of_the_robot_wherever_it_drives() {
         SimParams { companion: Some(Companion { sway_m: f64::NAN, ..companion }), ..SimParams::default() };
     assert_eq!(bad.check()[0].path, "companion.sway_m");
 }
+
+#[test]
+fn a_person_is_found_by_name_where_the_walk_is_and_nobody_else_is() {
+    let people = r#"
+[[person]]
+name = "anna"
+route = [[0, 3], [4, 3]]
+speed_m_s = 0.5
+start_s = 1.0
+[[person]]
+name = "bert"
+route = [[-3, -3]]
+speed_m_s = 0.0
+"#;
+    let mut world =
+        params("people", &format!("{WALLS}{people}")).build(&BuildContext::bare("world")).unwrap();
+    let mut at = |name: &str, seconds: f64| {
+        world.advance(Time::from_secs(seconds)).unwrap();
+        world.probe(&Probe::Person { name }).map(|answer| format!("{answer:?}"))
+    };
+    assert_eq!(at("anna", 0.5).unwrap(), "Position([0.0, 3.0, 0.0])");
+    assert_eq!(at("anna", 5.0).unwrap(), "Position([2.0, 3.0, 0.0])");
+    assert_eq!(at("bert", 5.0).unwrap(), "Position([-3.0, -3.0, 0.0])");
+    let error = at("Anna", 5.0).unwrap_err();
+    assert_eq!(error, WorldError::Unsupported { probe: "person of this name" });
+    // On the way back along the route.
+    assert_eq!(at("anna", 11.0).unwrap(), "Position([3.0, 3.0, 0.0])");
+}
