@@ -1,7 +1,7 @@
 //! A world for tests: one straight wall, wheels that say what they are told, or a recording.
 
 use rumbo_core::messages::{Command, Marks, Observation, Observations};
-use rumbo_core::stages::{Advance, Answer, Drove, Probe, WheelMotion, World, WorldError};
+use rumbo_core::stages::{Advance, Answer, Attitude, Drove, Probe, WheelMotion, World, WorldError};
 use rumbo_core::time::Time;
 
 /// What a sensor gave, oldest first.
@@ -16,6 +16,8 @@ pub(crate) struct TestWorld {
     pub recorded: Option<Vec<Observation>>,
     pub contacts_rad: Vec<f64>,
     pub marks: Marks,
+    pub position_m: [f64; 3],
+    pub attitude: Attitude,
     /// Sensors shall read their own devices.
     pub is_live: bool,
     ranges_m: Vec<f32>,
@@ -29,6 +31,8 @@ impl TestWorld {
             recorded: None,
             contacts_rad: Vec::new(),
             marks: Marks::default(),
+            position_m: [0.0; 3],
+            attitude: Attitude::default(),
             is_live: false,
             ranges_m: Vec::new(),
         }
@@ -77,6 +81,8 @@ impl World for TestWorld {
                 Ok(Answer::Ranges(&self.ranges_m))
             }
             (Probe::Marks { .. }, None) => Ok(Answer::Marks(&self.marks)),
+            (Probe::Position, None) => Ok(Answer::Position(self.position_m)),
+            (Probe::Attitude, None) => Ok(Answer::Attitude(self.attitude)),
             (Probe::Contacts, None) => Ok(Answer::Contacts(&self.contacts_rad)),
             _ => Err(WorldError::Unsupported { probe: probe.name() }),
         }

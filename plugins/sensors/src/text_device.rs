@@ -150,3 +150,6 @@ impl<D: TextDecoder> Line<'_, D> {
         }
     }
 }
+
+#[cfg(test)]
+pub(crate) mod tests;

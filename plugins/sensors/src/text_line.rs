@@ -99,3 +99,49 @@ impl TextLine {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINE: &[u8] = b"0123456789\r\n";
+
+    fn heard(faults: &mut TextFaults, n_lines: usize) -> Vec<u8> {
+        let (mut line, mut out) = (TextLine::new(1200), Vec::new());
+        (0..n_lines).for_each(|_| line.send(Time::ZERO, LINE, faults));
+        line.take(Time::from_secs(1e6), None, faults, &mut out);
+        out
+    }
+
+    #[test]
+    fn bytes_take_their_time_and_another_speed_hears_other_bytes() {
+        let (mut line, mut out, mut faults) = (TextLine::new(1200), Vec::new(), TextFaults::none(1));
+        line.send(Time::ZERO, LINE, &mut faults);
+        line.take(Time::from_secs(5.01 * 10.0 / 1200.0), Some(1200), &faults, &mut out);
+        assert_eq!(out, b"01234");
+        line.take(Time::from_secs(6.01 * 10.0 / 1200.0), Some(9600), &faults, &mut out);
+        assert_ne!(out[5], b'5');
+        faults.is_unplugged = true;
+        line.take(Time::from_secs(1.0), None, &faults, &mut out);
+        assert_eq!(out.len(), 6, "without a plug nothing passes");
+    }
+
+    #[test]
+    fn as_many_lines_come_to_harm_as_are_asked_for() {
+        let mut faults = TextFaults::none(1);
+        assert_eq!(heard(&mut faults, 3), LINE.repeat(3));
+        faults.corrupted = 0.25;
+        let bad = heard(&mut faults, 4000).chunks(LINE.len()).filter(|line| *line != LINE).count();
+        assert!((900..1100).contains(&bad), "{bad}");
+        (faults.corrupted, faults.truncated) = (0.0, 0.25);
+        let n_ends = heard(&mut faults, 4000).iter().filter(|byte| **byte == b'\n').count();
+        assert!((2900..3100).contains(&n_ends), "{n_ends}");
+        (faults.truncated, faults.interleaved) = (0.0, 1.0);
+        let both = heard(&mut faults, 2);
+        assert_eq!(both.len(), 2 * LINE.len());
+        let inner = both.windows(LINE.len()).position(|window| window == LINE).unwrap();
+        assert!(inner > 0 && inner < LINE.len());
+        let outer: Vec<u8> = both[..inner].iter().chain(&both[inner + LINE.len()..]).copied().collect();
+        assert_eq!(outer, LINE);
+    }
+}

@@ -3,7 +3,7 @@
 //! Bytes go through [`Sentences`], which finds and checks sentences however they are cut, and a sentence's fields
 //! through [`Fix::of_fields`].
 
-mod decoder;
+pub(crate) mod decoder;
 mod fields;
 mod fix;
 mod refusal;

@@ -55,11 +55,9 @@ fn within_a_kilometer_the_plane_is_decimeters_from_the_ellipsoid() {
             assert!(beside_deg.abs() <= 180.0);
             let way = in_space(there_deg, beside_deg) - origin;
             let off = Vector2::new(way.dot(&east) - east_m, way.dot(&north) - north_m).norm();
-            // Twice a half of the square of 1 km over the earth's radius, by the tangent of the latitude.
-            assert!(
-                off < 0.35 && (east_m.abs() > 3.0 || off < 1e-5),
-                "{latitude_deg} {east_m} {north_m}: {off}"
-            );
+            // East and north by the tangent of the latitude over the earth's radius.
+            let most_m = 1.1 * (east_m * east_m + north_m * north_m) / 6.36e6 * 65f64.to_radians().tan();
+            assert!(off < most_m, "{latitude_deg} {east_m} {north_m}: {off}");
         }
     }
 }
