@@ -3,6 +3,7 @@
 
 pub mod ekf_landmarks;
 pub mod ekf_lines;
+pub mod gps_imu;
 pub mod landmark_noise;
 pub mod landmark_relaxation;
 pub mod odometry;

@@ -2,6 +2,8 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod bumper_ring;
+pub mod gps;
+pub mod imu;
 pub mod laser_2d;
 pub mod lms200;
 pub mod mark_camera;
@@ -10,6 +12,9 @@ pub mod sonar_ring;
 pub mod steering_encoder;
 pub mod wheel_encoders;
 
+mod live_news;
 mod recorded;
 #[cfg(test)]
 mod test_world;
+mod text_device;
+mod text_line;

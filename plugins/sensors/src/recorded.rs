@@ -1,8 +1,9 @@
-//! What every sensor does in a world that plays a recording: it passes on what was recorded under its name.
+//! What every sensor does alike: in a world that plays a recording it passes on what was recorded under its name, in one
+//! that is real it looks for its device.
 
 use rumbo_core::frames::Pose3;
 use rumbo_core::messages::{Observation, Observations, SensorId};
-use rumbo_core::stages::{Answer, BuildContext, Probe, SensorError, World, WorldError};
+use rumbo_core::stages::{Answer, BuildContext, OwnDevice, Probe, SensorError, World, WorldError};
 
 /// Who a sensor is and where it sits.
 #[derive(Debug, Clone)]
@@ -69,5 +70,20 @@ impl Seat {
             // The first refusal says what this sensor needs; the second only that there is no recording either.
             _ => Err(SensorError::World(unanswered)),
         }
+    }
+
+    /// In a world that is real: where the device is. A world that emulates devices says it, else `port`.
+    pub fn device_address(
+        &self,
+        model: &str,
+        port: Option<&str>,
+        world: &mut dyn World,
+    ) -> Result<String, SensorError> {
+        let device = OwnDevice { model, name: &self.name, base_from_sensor: &self.base_from_sensor };
+        let emulated = world.emulated_device(&device)?;
+        emulated.or_else(|| port.map(str::to_owned)).ok_or_else(|| SensorError::Device {
+            device: self.name.clone(),
+            reason: "the world is real, and `port` does not say where the device is".to_owned(),
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! A world for tests: one straight wall, wheels that say what they are told, or a recording.
 
 use rumbo_core::messages::{Command, Marks, Observation, Observations};
-use rumbo_core::stages::{Advance, Answer, Drove, Probe, WheelMotion, World, WorldError};
+use rumbo_core::stages::{Advance, Answer, Attitude, Drove, Probe, WheelMotion, World, WorldError};
 use rumbo_core::time::Time;
 
 /// What a sensor gave, oldest first.
@@ -18,6 +18,8 @@ pub(crate) struct TestWorld {
     pub marks: Marks,
     /// Somebody, and where.
     pub person: Option<(String, [f64; 3])>,
+    pub position_m: [f64; 3],
+    pub attitude: Attitude,
     /// Sensors shall read their own devices.
     pub is_live: bool,
     ranges_m: Vec<f32>,
@@ -32,6 +34,8 @@ impl TestWorld {
             contacts_rad: Vec::new(),
             marks: Marks::default(),
             person: None,
+            position_m: [0.0; 3],
+            attitude: Attitude::default(),
             is_live: false,
             ranges_m: Vec::new(),
         }
@@ -86,6 +90,8 @@ impl World for TestWorld {
                     .ok_or(WorldError::Unsupported { probe: probe.name() })
             }
             (Probe::Marks { .. }, None) => Ok(Answer::Marks(&self.marks)),
+            (Probe::Position, None) => Ok(Answer::Position(self.position_m)),
+            (Probe::Attitude, None) => Ok(Answer::Attitude(self.attitude)),
             (Probe::Contacts, None) => Ok(Answer::Contacts(&self.contacts_rad)),
             _ => Err(WorldError::Unsupported { probe: probe.name() }),
         }

@@ -3,24 +3,17 @@
 mod laser_scan;
 mod worker;
 
-use std::collections::VecDeque;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 
 use rumbo_core::stages::SensorError;
-use rumbo_core::time::{Span, Time};
+use rumbo_core::time::Span;
 use rumbo_kit::wall_clock::WallClock;
 
 use super::driver::{DeviceScan, Settings};
+use crate::live_news::Shared;
 pub(super) use laser_scan::Interpretation;
-
-/// Scans that wait for the sensor to be polled; the oldest go first. More than the device gives in three seconds.
-const MOST_WAITING: usize = 256;
-
-/// After so long without scans the sensor does not only say so once, but fails each time that it is asked: the run ends,
-/// if nobody mends it. Finding a device that was unplugged takes less.
-const PATIENCE: Span = Span(10_000_000_000);
 
 /// A device at a port.
 #[derive(Debug)]
@@ -28,53 +21,8 @@ pub(super) struct Live {
     address: String,
     /// Since the port was first opened: what only the thread and this sensor know of.
     clock: WallClock,
-    shared: Arc<Shared>,
+    shared: Arc<Shared<DeviceScan>>,
     worker: Option<JoinHandle<()>>,
-}
-
-#[derive(Debug, Default)]
-struct Shared {
-    shall_stop: AtomicBool,
-    news: Mutex<News>,
-}
-
-#[derive(Debug, Default)]
-struct News {
-    scans: VecDeque<DeviceScan>,
-    /// Why no scans come; nothing while they do.
-    trouble: Option<Trouble>,
-}
-
-#[derive(Debug, Clone)]
-struct Trouble {
-    since: Time,
-    reason: String,
-    is_told: bool,
-}
-
-impl News {
-    /// Why no scans come.
-    fn note(&mut self, now: Time, reason: String) {
-        match &mut self.trouble {
-            Some(trouble) if trouble.reason == reason => {}
-            Some(trouble) => (trouble.reason, trouble.is_told) = (reason, false),
-            None => self.trouble = Some(Trouble { since: now, reason, is_told: false }),
-        }
-    }
-
-    /// What the sensor has to say about it now.
-    fn complaint(&mut self, now: Time) -> Option<String> {
-        let trouble = self.trouble.as_mut()?;
-        let is_due = !std::mem::replace(&mut trouble.is_told, true) || now - trouble.since > PATIENCE;
-        is_due.then(|| trouble.reason.clone())
-    }
-}
-
-impl Shared {
-    fn news(&self) -> MutexGuard<'_, News> {
-        // Nothing is left half done in there when somebody panics.
-        self.news.lock().unwrap_or_else(PoisonError::into_inner)
-    }
 }
 
 impl Live {
@@ -91,7 +39,7 @@ impl Live {
         let now = self.clock.now();
         let (scans, complaint) = {
             let mut news = self.shared.news();
-            (std::mem::take(&mut news.scans), news.complaint(now))
+            (news.take(), news.complaint(now))
         };
         scans.iter().for_each(|scan| take(scan, now - scan.measured_at));
         match complaint {

@@ -3,7 +3,7 @@
 use rumbo_core::messages::{Data, Observation, ObservationKind, Observations};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::rng::Rng;
-use rumbo_core::stages::{BuildContext, BuildError, Cx, OwnDevice, Sensor, SensorError, World};
+use rumbo_core::stages::{BuildContext, BuildError, Cx, Sensor, SensorError, World};
 use rumbo_core::time::Time;
 
 use super::device::read;
@@ -129,7 +129,8 @@ impl Device {
         let live = match &mut self.live {
             Some(live) => live,
             empty => {
-                empty.insert(Live::start(&address(self.port.as_deref(), seat, world)?, self.settings.clone()))
+                let address = seat.device_address(MODEL, self.port.as_deref(), world)?;
+                empty.insert(Live::start(&address, self.settings.clone()))
             }
         };
         let interpretation = &self.interpretation;
@@ -144,16 +145,6 @@ impl Device {
             });
         })
     }
-}
-
-/// Where the device is.
-fn address(port: Option<&str>, seat: &Seat, world: &mut dyn World) -> Result<String, SensorError> {
-    let device = OwnDevice { model: MODEL, name: &seat.name, base_from_sensor: &seat.base_from_sensor };
-    let emulated = world.emulated_device(&device)?;
-    emulated.or_else(|| port.map(str::to_owned)).ok_or_else(|| SensorError::Device {
-        device: seat.name.clone(),
-        reason: "the world is real, and `port` does not say where the device is".to_owned(),
-    })
 }
 
 #[cfg(test)]

@@ -2,13 +2,14 @@ use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 use std::net::TcpListener;
 use std::sync::Mutex;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::time::Duration;
 use std::time::Instant;
 
 use rumbo_core::messages::{Data, Observation, Observations};
 use rumbo_core::registry::Plugin as _;
 use rumbo_core::stages::{BuildContext, Cx, Sensor};
+use rumbo_core::time::Time;
 use rumbo_core::trace::Trace;
 use rumbo_kit::emulation::{EmulatedDevice, LineFaultParams, LineFaults, Outlet, Served};
 
@@ -360,25 +361,4 @@ fn values_become_ranges_with_their_reasons_and_levels() {
     assert!(hanging.ranges_m[180].is_infinite() && hanging.ranges_m[179].is_nan());
     assert_eq!((hanging.ranges_m[177], hanging.intensities[177]), (1.0, 7.0));
     assert!((hanging.first_bearing_rad + FRAC_PI_2).abs() < 1e-12);
-}
-
-#[test]
-fn trouble_is_told_once_and_again_when_it_lasts() {
-    let mut news = News::default();
-    let at = Time::from_secs;
-    assert_eq!(news.complaint(at(0.0)), None);
-    news.note(at(1.0), "no port".to_owned());
-    assert_eq!(news.complaint(at(1.0)).as_deref(), Some("no port"));
-    news.note(at(2.0), "no port".to_owned());
-    assert_eq!(news.complaint(at(2.0)), None);
-    news.note(at(3.0), "silent".to_owned());
-    assert_eq!(news.complaint(at(3.0)).as_deref(), Some("silent"));
-    assert_eq!(news.complaint(at(11.0)), None);
-    for seconds in [11.1, 11.2] {
-        assert_eq!(news.complaint(at(seconds)).as_deref(), Some("silent"), "since 1 s");
-    }
-    // Scans have come in between.
-    news.trouble = None;
-    news.note(at(12.0), "silent".to_owned());
-    assert!(news.complaint(at(12.0)).is_some() && news.complaint(at(12.1)).is_none());
 }

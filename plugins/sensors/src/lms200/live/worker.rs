@@ -7,8 +7,8 @@ use rumbo_core::time::Span;
 use rumbo_kit::port::{Port, keep_open};
 use rumbo_kit::wall_clock::WallClock;
 
-use super::{MOST_WAITING, Shared};
-use crate::lms200::driver::{Action, Driver, Settings};
+use crate::live_news::Shared;
+use crate::lms200::driver::{Action, DeviceScan, Driver, Settings};
 use crate::lms200::protocol::{LineSpeed, MOST_LEN};
 
 /// Between attempts to open a port.
@@ -19,14 +19,19 @@ const MOST_FAREWELL: Span = Span(1_000_000_000);
 const BETWEEN_BYTES: Duration = Duration::from_micros(60);
 
 /// Until it shall stop.
-pub(super) fn work(address: &str, settings: &Settings, clock: WallClock, shared: &Shared) {
+pub(super) fn work(address: &str, settings: &Settings, clock: WallClock, shared: &Shared<DeviceScan>) {
     let serve = |port| serve(port, Driver::new(settings.clone(), clock.now()), clock, shared);
     let trouble = |reason| shared.news().note(clock.now(), reason);
     keep_open(address, settings.speed.baud(), REOPEN, &shared.shall_stop, serve, trouble);
 }
 
 /// Until it shall stop or the port is gone.
-fn serve(mut port: Port, mut driver: Driver, clock: WallClock, shared: &Shared) -> std::io::Result<()> {
+fn serve(
+    mut port: Port,
+    mut driver: Driver,
+    clock: WallClock,
+    shared: &Shared<DeviceScan>,
+) -> std::io::Result<()> {
     let mut buffer = [0u8; MOST_LEN];
     let mut farewell_ends_at = None;
     while !driver.is_stopped() && farewell_ends_at.is_none_or(|end| clock.now() < end) {
@@ -38,14 +43,7 @@ fn serve(mut port: Port, mut driver: Driver, clock: WallClock, shared: &Shared) 
             match action {
                 Action::SetSpeed(speed) => port.set_baud(speed.baud())?,
                 Action::Send(bytes) => send(&mut port, &bytes)?,
-                Action::Deliver(scan) => {
-                    let mut news = shared.news();
-                    news.trouble = None;
-                    if news.scans.len() >= MOST_WAITING {
-                        news.scans.pop_front();
-                    }
-                    news.scans.push_back(scan);
-                }
+                Action::Deliver(scan) => shared.news().deliver(scan),
             }
         }
         // Should this thread be held up, then bytes may wait: the line is known to be silent until here only.
