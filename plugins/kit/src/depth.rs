@@ -17,6 +17,8 @@ mod median;
 mod points;
 mod rays;
 mod scan;
+#[cfg(test)]
+mod tests;
 
 pub use band::HeightBand;
 pub use closest::{Closest, ClosestPoint, closest};

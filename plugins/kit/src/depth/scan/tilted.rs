@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{Matrix3, UnitQuaternion};
 
 use super::super::Rays;
-use super::super::depths::Pixel;
+use super::super::depths::{FARTHEST_M, Pixel};
 use super::beams::{Beams, uniform_beam};
 use super::{FARTHER, Found, NEARER, Thresholds};
 use crate::simd::{Kernel, Vectors, widest};
@@ -164,7 +164,7 @@ impl<P: Pixel> Kernel for Look<'_, P> {
             for (((pixel, length), rise), range_m) in pixels.iter().zip(lengths).zip(rises).zip(&mut ranges_m)
             {
                 let depth_m = pixel.meters(unit_m);
-                let is_valid = depth_m > 0.0 && depth_m <= f32::MAX;
+                let is_valid = depth_m > 0.0 && depth_m <= FARTHEST_M;
                 let rise_m = depth_m * rise;
                 let is_between = is_valid & (rise_m >= lowest_m) & (rise_m <= highest_m);
                 *range_m = if is_between { depth_m * length } else { f32::NAN };
@@ -186,5 +186,22 @@ impl<P: Pixel> Kernel for Look<'_, P> {
             }
         }
         n_valid
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::angle_rad;
+
+    #[test]
+    fn the_angle_is_that_of_the_standard_library() {
+        for turn in 0..100_000 {
+            let (y, x) = (f64::from(turn) * 1e-4).sin_cos();
+            for length in [1e-3, 1.0, 70.0] {
+                let off_rad = angle_rad(y * length, x * length) - (y * length).atan2(x * length);
+                assert!(off_rad.abs() < 1e-10, "{y} {x}: {off_rad}");
+            }
+        }
+        assert_eq!(angle_rad(0.0, 0.0), 0.0);
     }
 }
