@@ -129,6 +129,7 @@ fn errors_of_the_device(bencher: divan::Bencher) {
         step: DepthStep::Disparity(0.00285),
         unit_m: 0.001,
         min_m: 0.4,
+        near_m: 0.2,
         max_m: 3.5,
         edge_m: 0.1,
         edge_holes: 0.5,

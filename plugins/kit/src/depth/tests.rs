@@ -1,4 +1,5 @@
 mod device;
+mod near;
 mod pictures;
 mod scans;
 mod vectors;

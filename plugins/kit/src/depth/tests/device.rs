@@ -8,6 +8,7 @@ const EXACT: DepthDevice = DepthDevice {
     step: DepthStep::Even,
     unit_m: 0.001,
     min_m: 0.4,
+    near_m: 0.0,
     max_m: 4.0,
     edge_m: 0.1,
     edge_holes: 0.0,
@@ -26,6 +27,16 @@ fn an_exact_device_counts_millimeters_within_its_range() {
     let exact_m = [0.399, 0.4, 1.2344, 1.2346, 4.0, 4.01, f32::INFINITY, f32::NAN, 0.0, -1.0];
     assert_eq!(read(&EXACT, &exact_m, 10), [0, 400, 1234, 1235, 4000, 0, 0, 0, 0, 0]);
     assert!(EXACT.read(&exact_m, 10, &mut [0; 9], &mut stream(7, "device")).is_err());
+}
+
+/// The simulated v1 of the source: 13 bits from the near plane on, at which everything nearer stays.
+#[test]
+fn a_device_with_a_near_plane_keeps_what_is_nearer_at_it() {
+    let step = DepthStep::From { near_m: 0.2, step_m: 3.3 / 8191.0 };
+    let device = DepthDevice { step, unit_m: 0.0001, min_m: 0.0, near_m: 0.2, max_m: 3.5, ..EXACT };
+    // 768 of 8191 steps are 0.509413 m.
+    let counts = read(&device, &[0.01, 0.1999, 0.2, 0.5094, 0.5096, 3.5, 3.6], 7);
+    assert_eq!(counts, [2000, 2000, 2000, 5094, 5094, 35_000, 0]);
 }
 
 /// Khoshelham and Oude Elberink (2012), figure 10: 1.5 mm at 1 m, growing with the square of the depth.
