@@ -6,6 +6,7 @@
 
 pub mod beam_table;
 pub mod cost_field;
+pub mod depth;
 pub mod distance_field;
 pub mod emulation;
 pub mod generated_world;
