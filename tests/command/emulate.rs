@@ -11,7 +11,7 @@ fn what_cannot_be_emulated_is_told_with_what_can() {
     let tableless =
         "--set=world={ plugin = \"robot\", port = \"/dev/ttyUSB9\", map = \"worlds/office-20m.yaml\" }";
     for (args, expected) in [
-        (vec!["toaster", ROBOT], "expected one of robot, base, lms200"),
+        (vec!["toaster", ROBOT], "expected one of robot, base, gps, imu, lms200"),
         (vec!["robot", "no_such_file.toml"], "there is no such file"),
         (vec!["robot", "pipelines/mapping_log.toml"], "nothing emulates the world `log`"),
         (vec!["robot", ROBOT, tableless], "has no table `emulate`"),
