@@ -2,6 +2,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod explained;
+pub mod listening;
 pub mod progress;
 pub mod pure_pursuit;
 pub mod sightings;
