@@ -37,6 +37,7 @@ pub mod simd;
 mod small_file;
 pub mod spread;
 pub mod trajectory;
+pub mod tum_rgbd;
 pub mod wall_clock;
 pub mod world_file;
 
