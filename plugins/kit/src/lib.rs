@@ -7,6 +7,7 @@
 pub mod beam_table;
 pub mod cost_field;
 pub mod depth_file;
+pub mod depth;
 pub mod distance_field;
 pub mod emulation;
 pub mod generated_world;
