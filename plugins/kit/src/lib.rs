@@ -6,8 +6,8 @@
 
 pub mod beam_table;
 pub mod cost_field;
-pub mod depth_file;
 pub mod depth;
+pub mod depth_file;
 pub mod distance_field;
 pub mod emulation;
 pub mod generated_world;

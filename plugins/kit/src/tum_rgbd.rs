@@ -16,7 +16,7 @@ mod write;
 
 pub use error::RgbdError;
 pub use folder::{DepthFrame, RgbdFolder, is_folder, read_camera_track, read_folder};
-pub use place::{CameraPlace, PlaceInSpace, camera_from_optical};
+pub use place::{CameraMounting, CameraPlace, PlaceInSpace, camera_from_optical};
 pub use write::FolderWriter;
 
 #[cfg(test)]

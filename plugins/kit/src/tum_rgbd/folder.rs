@@ -36,6 +36,15 @@ pub struct RgbdFolder {
     pub sentences: Vec<String>,
 }
 
+impl RgbdFolder {
+    /// The first stamp: where the time of a run begins.
+    pub fn origin(&self) -> Time {
+        let first_picture = self.frames.first().map(|frame| frame.stamp);
+        let first_acceleration = self.accelerations_m_s2.first().map(|(stamp, _)| *stamp);
+        first_picture.into_iter().chain(first_acceleration).min().unwrap_or(Time::ZERO)
+    }
+}
+
 /// Pictures that are farther apart than this are told.
 const GAP: Span = Span(1_000_000_000);
 

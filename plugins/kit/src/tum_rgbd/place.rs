@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix3, Rotation3, Translation3, UnitQuaternion};
 use rumbo_core::frames::{Pose3, flatten};
-use rumbo_core::time::Time;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -50,6 +49,32 @@ impl PlaceInSpace {
     }
 }
 
+/// How the camera of a recording sat on its robot, and where its world lies in the map.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct CameraMounting {
+    /// Where the camera sat on the robot.
+    pub mount: PlaceInSpace,
+    /// Where the world of the recorded poses lies in the map: turns a world that is not level.
+    pub map_from_world: PlaceInSpace,
+}
+
+impl CameraMounting {
+    /// The same as poses.
+    pub fn place(&self) -> CameraPlace {
+        CameraPlace { base_from_camera: self.mount.pose(), map_from_world: self.map_from_world.pose() }
+    }
+
+    /// Every number that is not finite, with its key.
+    pub fn faults(&self) -> impl Iterator<Item = (String, f64)> + use<> {
+        let both = [("mount", self.mount.numbers()), ("map_from_world", self.map_from_world.numbers())];
+        both.into_iter().flat_map(|(part, numbers)| {
+            let wrong = numbers.into_iter().filter(|(_, value)| !value.is_finite());
+            wrong.map(move |(key, value)| (format!("{part}.{key}"), value))
+        })
+    }
+}
+
 /// How the world of a recording and its camera lie to a map and a robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPlace {
@@ -70,7 +95,7 @@ impl CameraPlace {
     pub fn base_track(&self, world_from_optical: &Trajectory) -> PoseTrack {
         let mut track = PoseTrack::default();
         for pose in world_from_optical.poses() {
-            track.push(Time(pose.stamp.0), flatten(&self.base_in_map(&pose.world_from_body)));
+            track.push(pose.stamp, flatten(&self.base_in_map(&pose.world_from_body)));
         }
         track
     }
