@@ -59,10 +59,10 @@ fn points_m(image: &DepthImage, map_from_camera: &Pose3) -> Vec<Point3> {
 
 /// A room of 6 m by 4 m, 2.5 m high.
 const ROOM: &str = "name = \"room\"\nbounds = [-1.0, -1.0, 7.0, 5.0]\n\
-    [[wall]]\nfrom = [0.0, 0.0]\nto = [6.0, 0.0]\nheight = 2.5\n\
-    [[wall]]\nfrom = [6.0, 0.0]\nto = [6.0, 4.0]\nheight = 2.5\n\
-    [[wall]]\nfrom = [6.0, 4.0]\nto = [0.0, 4.0]\nheight = 2.5\n\
-    [[wall]]\nfrom = [0.0, 4.0]\nto = [0.0, 0.0]\nheight = 2.5\n";
+    [[wall]]\nfrom = [0.0, 0.0]\nto = [6.0, 0.0]\nheight_m = 2.5\n\
+    [[wall]]\nfrom = [6.0, 0.0]\nto = [6.0, 4.0]\nheight_m = 2.5\n\
+    [[wall]]\nfrom = [6.0, 4.0]\nto = [0.0, 4.0]\nheight_m = 2.5\n\
+    [[wall]]\nfrom = [0.0, 4.0]\nto = [0.0, 0.0]\nheight_m = 2.5\n";
 
 #[test]
 fn recorded_points_lie_on_the_walls_and_the_floor_of_the_room() {
