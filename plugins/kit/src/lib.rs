@@ -26,6 +26,7 @@ pub mod moving_clusters;
 pub mod mrclam;
 pub mod normal;
 pub mod occupancy;
+pub mod plane;
 pub mod port;
 pub mod potential;
 pub mod proximity;
