@@ -9,6 +9,7 @@ mod frames;
 mod level;
 mod picture;
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
@@ -62,7 +63,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn print_cameras(frames: &[Frame], map_from_camera: impl Fn(&Frame) -> Pose3) {
     let poses: Vec<Pose3> = frames.iter().map(map_from_camera).collect();
     let heights_m = poses.iter().map(|pose| pose.translation.z).collect();
-    let angles = |k: usize| poses.iter().map(|pose| <[f64; 3]>::from(pose.rotation.euler_angles())[k].to_degrees());
+    let angles = |k: usize| poses.iter().map(move |pose| <[f64; 3]>::from(pose.rotation.euler_angles())[k].to_degrees());
     println!("camera height: {} m", spread(heights_m));
     println!("camera roll: {} degrees, pitch: {} degrees", spread(angles(0).collect()), spread(angles(1).collect()));
 }
@@ -203,9 +204,9 @@ fn map(scans: &[Taken], out: &Path) -> Result<(), Box<dyn Error>> {
         let mut cx = Cx { now: stamp, trace: &trace };
         builder.insert(&mut cx, &MapInput { seen: Seen::sorted(&seen), estimate: &estimate }, &mut map)?;
     }
-    for (name, value) in trace.take().1 {
-        println!("{name}: {value}");
-    }
+    let mut counters = BTreeMap::new();
+    trace.take().1.into_iter().for_each(|(name, value)| *counters.entry(name).or_insert(0.0) += value);
+    println!("{counters:?}");
     let grid = map.grid.as_ref().ok_or("there is no grid")?;
     let cells = (0..grid.height()).flat_map(|row| (0..grid.width()).map(move |col| Cell { col, row }));
     let (mut n_free, mut n_occupied) = (0, 0);

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use image::{ImageResult, Rgb, RgbImage};
-use rumbo_core::map::{CellClass, Grid, Cell};
+use rumbo_core::frames::Point2;
+use rumbo_core::map::{Cell, CellClass, Grid};
 use rumbo_kit::depth_file::DepthPicture;
 
 /// Near things are red, far ones blue, no reading is black; `marked` is a pixel with a cross.
@@ -22,21 +23,28 @@ pub fn depth(path: &Path, picture: &DepthPicture, most: u16, marked: Option<[usi
     image.save(path)
 }
 
-/// The grid from above: occupied black, free white, unknown gray; places with a red dot.
+/// What is known of the grid from above: occupied black, free white, unknown gray; places are red.
 pub fn grid(path: &Path, grid: &Grid, places_m: &[[f64; 2]], scale: u32) -> ImageResult<()> {
-    let (width, height) = (grid.width(), grid.height());
+    let known = (0..grid.height())
+        .flat_map(|row| (0..grid.width()).map(move |col| Cell { col, row }))
+        .filter(|cell| grid.class(*cell) != CellClass::Unknown);
+    let places = places_m.iter().filter_map(|[x_m, y_m]| grid.cell_at(Point2::new(*x_m, *y_m)));
+    let shown = known.chain(places.clone());
+    let (mut low, mut high) = (Cell { col: u32::MAX, row: u32::MAX }, Cell { col: 0, row: 0 });
+    for Cell { col, row } in shown {
+        low = Cell { col: low.col.min(col), row: low.row.min(row) };
+        high = Cell { col: high.col.max(col), row: high.row.max(row) };
+    }
+    let (width, height) = (high.col.saturating_sub(low.col) + 1, high.row.saturating_sub(low.row) + 1);
     let mut image = RgbImage::from_fn(width * scale, height * scale, |x, y| {
-        let cell = Cell { col: x / scale, row: height - 1 - y / scale };
-        match grid.class(cell) {
+        match grid.class(Cell { col: low.col + x / scale, row: high.row - y / scale }) {
             CellClass::Occupied => Rgb([0; 3]),
             CellClass::Free => Rgb([255; 3]),
             CellClass::Unknown => Rgb([170; 3]),
         }
     });
-    for [x_m, y_m] in places_m {
-        if let Some(cell) = grid.cell_at(rumbo_core::frames::Point2::new(*x_m, *y_m)) {
-            cross(&mut image, cell.col * scale, (height - 1 - cell.row) * scale, 1);
-        }
+    for cell in places {
+        cross(&mut image, (cell.col - low.col) * scale, (high.row - cell.row) * scale, 1);
     }
     image.save(path)
 }
