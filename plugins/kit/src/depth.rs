@@ -14,9 +14,12 @@ mod decode;
 mod depths;
 mod device;
 mod median;
+mod near;
 mod points;
 mod rays;
 mod scan;
+#[cfg(test)]
+mod tests;
 
 pub use band::HeightBand;
 pub use closest::{Closest, ClosestPoint, closest};
@@ -24,6 +27,7 @@ pub use decode::{DepthScale, RAW_MAX, channels_to_raw};
 pub use depths::{Depths, SizeMismatch};
 pub use device::{DepthDevice, DepthStep};
 pub use median::MedianFilter;
+pub use near::{NearMemory, NearRule};
 pub use points::{Counted, points};
 pub use rays::{Counting, Rays, RaysError, pinhole_of_view};
 pub use scan::{Beams, ScanError, ScanLimits, Scanned, VirtualScan};

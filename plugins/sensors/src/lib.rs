@@ -2,6 +2,8 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod bumper_ring;
+pub mod depth_to_scan;
+pub mod kinect;
 pub mod laser_2d;
 pub mod lms200;
 pub mod mark_camera;
@@ -9,6 +11,8 @@ pub mod sonar_ring;
 pub mod steering_encoder;
 pub mod wheel_encoders;
 
+mod blindness;
 mod recorded;
 #[cfg(test)]
 mod test_world;
+mod virtual_scan;

@@ -64,12 +64,14 @@ impl Kernel for Nearest<'_> {
         let (chunks, rest) = self.0.as_chunks::<LANES>();
         let (mut least, mut n_valid) = ([f32::INFINITY; LANES], [0_u32; LANES]);
         for chunk in chunks {
-            for lane in 0..LANES {
-                let [x, y, _] = chunk[lane];
-                let m2 = x * x + y * y;
+            let mut squares_m2 = [0.0; LANES];
+            for (square_m2, [x, y, _]) in squares_m2.iter_mut().zip(chunk) {
+                *square_m2 = x * x + y * y;
+            }
+            for ((square_m2, least), n) in squares_m2.iter().zip(&mut least).zip(&mut n_valid) {
                 // Not-a-number is not less than anything.
-                least[lane] = if m2 < least[lane] { m2 } else { least[lane] };
-                n_valid[lane] += u32::from(m2 < f32::INFINITY);
+                *least = if square_m2 < least { *square_m2 } else { *least };
+                *n += u32::from(*square_m2 < f32::INFINITY);
             }
         }
         for (lane, [x, y, _]) in rest.iter().enumerate() {

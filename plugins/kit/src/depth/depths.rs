@@ -2,6 +2,9 @@
 
 use super::Rays;
 
+/// No depth is larger, meters: squares of what is nearer are finite.
+pub(super) const FARTHEST_M: f32 = 1e9;
+
 /// Depths of a picture, row by row from the top.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Depths<'a> {
@@ -12,7 +15,7 @@ pub enum Depths<'a> {
         /// Meters of one count.
         unit_m: f32,
     },
-    /// Meters; what is not finite or not above 0 is no reading.
+    /// Meters; what is not a number above 0, or beyond a million kilometers, is no reading.
     Meters(&'a [f32]),
 }
 
@@ -54,7 +57,7 @@ impl Depths<'_> {
             Depths::Counts { counts, unit_m } => f32::from(*counts.get(pixel)?) * unit_m,
             Depths::Meters(depths_m) => *depths_m.get(pixel)?,
         };
-        (depth_m > 0.0 && depth_m <= max_m && depth_m.is_finite()).then_some(depth_m)
+        (depth_m > 0.0 && depth_m <= max_m.min(FARTHEST_M)).then_some(depth_m)
     }
 
     pub(super) fn check(&self, rays: &Rays) -> Result<(), SizeMismatch> {

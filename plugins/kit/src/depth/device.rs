@@ -16,6 +16,13 @@ use super::SizeMismatch;
 pub enum DepthStep {
     /// Whole counts only.
     Even,
+    /// Even steps from a near plane on: Valverde Moreno (2015), section 5.1.
+    From {
+        /// The near plane, meters.
+        near_m: f64,
+        /// One step, meters.
+        step_m: f64,
+    },
     /// Even steps of disparity (the inverse of the depth), 1/m: depths are a step of about `Z² * step` apart.
     Disparity(f64),
 }
@@ -31,6 +38,8 @@ pub struct DepthDevice {
     pub unit_m: f64,
     /// Nothing nearer is read, meters.
     pub min_m: f64,
+    /// What is read nearer than this reads as this, meters.
+    pub near_m: f64,
     /// Nothing farther is read, meters.
     pub max_m: f64,
     /// Neighbors in a row that differ by more than this are at an edge, meters. (The projector sits beside the camera, so
@@ -73,7 +82,7 @@ impl DepthDevice {
             {
                 continue;
             }
-            *count = self.counted(read_m);
+            *count = self.counted(read_m.max(self.near_m));
         }
         Ok(())
     }
@@ -82,8 +91,11 @@ impl DepthDevice {
     fn counted(&self, depth_m: f64) -> u16 {
         let stepped_m = match self.step {
             DepthStep::Even => depth_m,
+            DepthStep::From { near_m, step_m } => near_m + ((depth_m - near_m) / step_m).round() * step_m,
             DepthStep::Disparity(step) => 1.0 / ((1.0 / (depth_m * step)).round().max(1.0) * step),
         };
+        // A step may end just beyond what may be told.
+        let stepped_m = stepped_m.clamp(self.near_m, self.max_m);
         (stepped_m / self.unit_m).round().clamp(1.0, f64::from(u16::MAX)) as u16
     }
 

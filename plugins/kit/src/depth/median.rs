@@ -10,6 +10,10 @@ use super::SizeMismatch;
 pub struct MedianFilter {
     /// Three rows with a pixel of nothing on both sides.
     rows: [Vec<u16>; 3],
+    /// The nine pixels around each pixel of a row.
+    window: [Vec<u16>; 9],
+    /// How many of them have no reading.
+    n_without: Vec<u16>,
 }
 
 impl MedianFilter {
@@ -31,12 +35,13 @@ impl MedianFilter {
             row.clear();
             row.resize(n_columns + 2, 0);
         }
+        self.window.iter_mut().for_each(|pixels| pixels.resize(n_columns, 0));
+        self.n_without.resize(n_columns, 0);
         fill(&mut self.rows[2], rows.next());
         for filtered in filtered.chunks_exact_mut(n_columns) {
             self.rows.rotate_left(1);
             fill(&mut self.rows[2], rows.next());
-            let [above, here, below] = &self.rows;
-            widest(Row { above, here, below, filtered });
+            widest(Row { filter: self, filtered });
         }
         Ok(())
     }
@@ -52,73 +57,47 @@ fn fill(padded: &mut [u16], row: Option<&[u16]>) {
     }
 }
 
+/// Medians of all pixels of a row together: each step below goes over the whole row, which vectors do well.
 struct Row<'a> {
-    above: &'a [u16],
-    here: &'a [u16],
-    below: &'a [u16],
+    filter: &'a mut MedianFilter,
     filtered: &'a mut [u16],
 }
-
-/// Pixels that are sorted together.
-const LANES: usize = 32;
 
 impl Kernel for Row<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<V: Vectors>(self) {
-        let Row { above, here, below, filtered } = self;
-        let n_columns = filtered.len();
-        for first in (0..n_columns).step_by(LANES) {
-            // The last pixels are done together with some before them.
-            let first = if first + LANES <= n_columns { first } else { n_columns.saturating_sub(LANES) };
-            let n = LANES.min(n_columns);
-            let mut window = [[0; LANES]; 9];
-            for (idx, lanes) in window.iter_mut().enumerate() {
-                let row = [above, here, below][idx / 3];
-                lanes[..n].copy_from_slice(&row[first + idx % 3..first + idx % 3 + n]);
+        let MedianFilter { rows, window, n_without } = self.filter;
+        let filtered = self.filtered;
+        n_without.fill(0);
+        for (idx, pixels) in window.iter_mut().enumerate() {
+            let from = &rows[idx / 3][idx % 3..idx % 3 + filtered.len()];
+            pixels.copy_from_slice(from);
+            for (n, pixel) in n_without.iter_mut().zip(from) {
+                *n += u16::from(*pixel == 0);
             }
-            filtered[first..first + n].copy_from_slice(&medians(window)[..n]);
+        }
+        // Nine rounds of neighbors sort nine numbers; pixels without a reading come first.
+        for round in 0..9 {
+            for pair in window[round % 2..].chunks_exact_mut(2) {
+                let [low, high] = pair else { continue };
+                for (low, high) in low.iter_mut().zip(high) {
+                    (*low, *high) = ((*low).min(*high), (*low).max(*high));
+                }
+            }
+        }
+        let middles = &rows[1][1..=filtered.len()];
+        filtered.copy_from_slice(&window[4]);
+        for (place, pixels) in window.iter().enumerate().skip(5) {
+            for ((filtered, pixel), n) in filtered.iter_mut().zip(pixels).zip(n_without.iter()) {
+                // The lower middle one of those with a reading: place n + (8 - n) / 2 where n have none.
+                let wanted = (8 + *n) / 2;
+                *filtered = if wanted == place as u16 { *pixel } else { *filtered };
+            }
+        }
+        for (filtered, middle) in filtered.iter_mut().zip(middles) {
+            *filtered = if *middle == 0 { 0 } else { *filtered };
         }
     }
-}
-
-/// Compare and exchange, position by position.
-#[inline(always)]
-fn sort_two(window: &mut [[u16; LANES]; 9], low: usize, high: usize) {
-    for lane in 0..LANES {
-        let (a, b) = (window[low][lane], window[high][lane]);
-        window[low][lane] = a.min(b);
-        window[high][lane] = a.max(b);
-    }
-}
-
-/// Medians of the windows; the middle pixel is `window[4]`.
-#[inline(always)]
-fn medians(mut window: [[u16; LANES]; 9]) -> [u16; LANES] {
-    let middle = window[4];
-    let mut n_without = [0_u16; LANES];
-    for pixels in &window {
-        for lane in 0..LANES {
-            n_without[lane] += u16::from(pixels[lane] == 0);
-        }
-    }
-    // Nine rounds of neighbors sort nine numbers; pixels without a reading come first.
-    for round in 0..9 {
-        for low in (round % 2..8).step_by(2) {
-            sort_two(&mut window, low, low + 1);
-        }
-    }
-    // The lower middle one of those with a reading: place n + (8 - n) / 2 where n have none.
-    let mut median = window[4];
-    for (place, pixels) in window.iter().enumerate().skip(5) {
-        for lane in 0..LANES {
-            let wanted = n_without[lane] + (8 - n_without[lane].min(8)) / 2;
-            median[lane] = if wanted == place as u16 { pixels[lane] } else { median[lane] };
-        }
-    }
-    for lane in 0..LANES {
-        median[lane] = if middle[lane] == 0 { 0 } else { median[lane] };
-    }
-    median
 }

@@ -1,6 +1,6 @@
 //! A depth picture as points.
 
-use super::depths::Pixel;
+use super::depths::{FARTHEST_M, Pixel};
 use super::{Depths, HeightBand, Rays, SizeMismatch};
 use crate::simd::{Kernel, Vectors, widest};
 
@@ -24,8 +24,7 @@ pub fn points(
 ) -> Result<Counted, SizeMismatch> {
     depths.check(rays)?;
     SizeMismatch::check("a row of points", out.len(), rays.n_pixels())?;
-    // An infinite depth is no reading.
-    let max_m = max_m.min(f32::MAX);
+    let max_m = max_m.min(FARTHEST_M);
     Ok(match depths {
         Depths::Counts { counts, unit_m } => {
             with_band(Picture { rays, pixels: counts, unit_m, max_m, out }, band)

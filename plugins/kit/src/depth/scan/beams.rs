@@ -71,14 +71,14 @@ impl Beams {
     }
 }
 
-/// The evenly spaced beam nearest to a bearing, or `n_beams` where none is within half a step; also of bearings a turn
-/// below the first beam's.
+/// The evenly spaced beam nearest to a bearing, with a fraction that counts for nothing, or `n_beams` where none is within
+/// half a step; also of bearings a turn below the first beam's.
 #[inline(always)]
 pub(super) fn uniform_beam(bearing_rad: f64, first_rad: f64, beams_per_rad: f64, n_beams: f64) -> f64 {
     let place = (bearing_rad - first_rad) * beams_per_rad + 0.5;
     let turned = place + std::f64::consts::TAU * beams_per_rad;
     let place = if place < 0.0 { turned } else { place };
-    if place >= 0.0 && place < n_beams { place.floor() } else { n_beams }
+    if place >= 0.0 && place < n_beams { place } else { n_beams }
 }
 
 /// The column whose bearing is nearest, if it is not farther off than the columns from one another.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::Rays;
-use super::super::depths::Pixel;
+use super::super::depths::{FARTHEST_M, Pixel};
 use super::{FARTHER, Found, NEARER, Thresholds};
 use crate::simd::{Kernel, Vectors};
 
@@ -32,7 +32,7 @@ impl<P: Pixel> Kernel for Look<'_, P> {
             let places = found.nearest_m.iter_mut().zip(&mut found.beyond);
             for ((pixel, length), (nearest_m, beyond)) in pixels.iter().zip(lengths).zip(places) {
                 let depth_m = pixel.meters(unit_m);
-                let is_valid = depth_m > 0.0 && depth_m <= f32::MAX;
+                let is_valid = depth_m > 0.0 && depth_m <= FARTHEST_M;
                 let (rise_m, range_m) = (depth_m * up, depth_m * length);
                 let is_between = is_valid & (rise_m >= lowest_m) & (rise_m <= highest_m);
                 let (is_nearer, is_farther) = (range_m < least_m, range_m > most_m);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::{Matrix3, UnitQuaternion};
 
 use super::super::Rays;
-use super::super::depths::Pixel;
+use super::super::depths::{FARTHEST_M, Pixel};
 use super::beams::{Beams, uniform_beam};
 use super::{FARTHER, Found, NEARER, Thresholds};
 use crate::simd::{Kernel, Vectors, widest};
@@ -87,6 +87,7 @@ impl Kernel for Turn<'_> {
     fn run<V: Vectors>(self) {
         let Turn { rays, level_from_camera, first_bearing_rad, beams_per_rad, n_beams, tilted } = self;
         let n_columns = rays.n_columns();
+        let of_left = [0, 1, 2].map(|axis| level_from_camera[(axis, 1)]);
         let rows = tilted
             .lengths
             .chunks_exact_mut(n_columns)
@@ -94,10 +95,12 @@ impl Kernel for Turn<'_> {
             .zip(tilted.beams.chunks_exact_mut(n_columns))
             .zip(rays.up());
         for (((lengths, rises), beams), up) in rows {
+            let of_row = direction(&level_from_camera, 0.0, *up);
             let pixels = lengths.iter_mut().zip(rises).zip(beams).zip(rays.left());
             for (((length, rise), beam), left) in pixels {
-                let [x, y, z] = direction(&level_from_camera, *left, *up);
-                (*length, *rise) = ((x * x + y * y).sqrt() as f32, z as f32);
+                let [x, y, z] = [0, 1, 2].map(|axis| of_row[axis] + of_left[axis] * left);
+                let square = (x * x + y * y) as f32;
+                (*length, *rise) = (square.sqrt(), z as f32);
                 let beam_at = uniform_beam(angle_rad(y, x), first_bearing_rad, beams_per_rad, n_beams);
                 // Beams are at most `Beams::MOST`; through a signed number it is one instruction.
                 *beam = beam_at as i32 as u16;
@@ -115,8 +118,10 @@ pub(super) fn angle_rad(y: f64, x: f64) -> f64 {
     const SPLIT: f64 = std::f64::consts::SQRT_2 - 1.0;
     let (across, along) = (y.abs(), x.abs());
     let (least, most) = if across < along { (across, along) } else { (along, across) };
-    let ratio = if most > 0.0 { least / most } else { 0.0 };
-    let (offset, t) = if ratio > SPLIT { (FRAC_PI_4, (ratio - 1.0) / (ratio + 1.0)) } else { (0.0, ratio) };
+    let is_steep = least > SPLIT * most;
+    let (offset, above, below) =
+        if is_steep { (FRAC_PI_4, least - most, least + most) } else { (0.0, least, most) };
+    let t = if below > 0.0 { above / below } else { 0.0 };
     let t2 = t * t;
     let mut series = 0.0;
     for power in (0..12).rev() {
@@ -164,7 +169,7 @@ impl<P: Pixel> Kernel for Look<'_, P> {
             for (((pixel, length), rise), range_m) in pixels.iter().zip(lengths).zip(rises).zip(&mut ranges_m)
             {
                 let depth_m = pixel.meters(unit_m);
-                let is_valid = depth_m > 0.0 && depth_m <= f32::MAX;
+                let is_valid = depth_m > 0.0 && depth_m <= FARTHEST_M;
                 let rise_m = depth_m * rise;
                 let is_between = is_valid & (rise_m >= lowest_m) & (rise_m <= highest_m);
                 *range_m = if is_between { depth_m * length } else { f32::NAN };
@@ -186,5 +191,22 @@ impl<P: Pixel> Kernel for Look<'_, P> {
             }
         }
         n_valid
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::angle_rad;
+
+    #[test]
+    fn the_angle_is_that_of_the_standard_library() {
+        for turn in 0..100_000 {
+            let (y, x) = (f64::from(turn) * 1e-4).sin_cos();
+            for length in [1e-3, 1.0, 70.0] {
+                let off_rad = angle_rad(y * length, x * length) - (y * length).atan2(x * length);
+                assert!(off_rad.abs() < 1e-10, "{y} {x}: {off_rad}");
+            }
+        }
+        assert_eq!(angle_rad(0.0, 0.0), 0.0);
     }
 }
