@@ -7,6 +7,7 @@ mod cpp;
 mod first_abi;
 mod growth;
 mod header;
+mod kinect_live;
 mod misbehaving;
 mod nested;
 mod runs;

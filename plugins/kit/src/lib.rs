@@ -7,6 +7,7 @@
 pub mod beam_table;
 pub mod cost_field;
 pub mod depth;
+pub mod depth_file;
 pub mod distance_field;
 pub mod emulation;
 pub mod generated_world;
@@ -25,6 +26,7 @@ pub mod moving_clusters;
 pub mod mrclam;
 pub mod normal;
 pub mod occupancy;
+pub mod plane;
 pub mod port;
 pub mod potential;
 pub mod proximity;
@@ -37,6 +39,7 @@ pub mod simd;
 mod small_file;
 pub mod spread;
 pub mod trajectory;
+pub mod tum_rgbd;
 pub mod wall_clock;
 pub mod world_file;
 

@@ -9,7 +9,7 @@ mod error;
 mod header;
 mod ink;
 mod of_grid;
-mod pixels;
+pub(crate) mod pixels;
 mod save;
 mod shade_reading;
 

@@ -10,10 +10,10 @@
 //! cut off is read up to the cut. The tables that all share are short and must be whole.
 
 mod error;
-mod order;
+pub(crate) mod order;
 mod robot_log;
 mod shared;
-mod table;
+pub(crate) mod table;
 
 pub use error::MrclamError;
 pub use robot_log::{RobotLog, RobotTruth, Sighting, Velocity, read_robot, read_truth};

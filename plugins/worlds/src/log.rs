@@ -10,11 +10,13 @@ mod odometer;
 mod params;
 mod playback;
 mod plugin;
+mod rgbd;
 mod truth;
 
 pub use bag::{BagPlayback, BagSource};
 pub use mrclam::{MrclamChannel, MrclamPlayback};
 pub use params::{LogParams, LogStart, RecordedChannel, TRUTH_INSIDE};
 pub use playback::Playback;
-pub use plugin::{BagWorld, LogWorld, MrclamWorld};
+pub use plugin::{BagWorld, LogWorld, MrclamWorld, RgbdWorld};
+pub use rgbd::{PictureFault, PictureReader, RecordedCamera, RgbdChannel, RgbdPlayback};
 pub use truth::KnownTruth;

@@ -97,7 +97,7 @@ fn load_pgm(
 
 /// The next number of a Netpbm header, past white space and `#` comments; consumes one byte after it.
 /// `Ok(None)` at the end of the file, `Err` with the text when it is no number.
-fn next_number(file: &mut impl BufRead) -> Result<Option<u64>, String> {
+pub(crate) fn next_number(file: &mut impl BufRead) -> Result<Option<u64>, String> {
     let mut token = String::new();
     let mut in_comment = false;
     while let Some(byte) = next_byte(file) {

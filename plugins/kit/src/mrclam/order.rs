@@ -7,7 +7,7 @@ use crate::log_file::Steps;
 
 /// A row with a stamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Stamped<T> {
+pub(crate) struct Stamped<T> {
     pub stamp: Time,
     pub told: T,
 }
@@ -17,7 +17,7 @@ const WINDOW: Span = Span(2_000_000_000);
 
 /// Sorts rows by their stamps, rows of one stamp as they stand in the file, and leaves out those whose stamp fits neither
 /// the row before them nor the row behind. Says both.
-pub(super) fn sorted<T>(rows: Vec<Row<Stamped<T>>>, name: &str) -> (Vec<Stamped<T>>, Vec<String>) {
+pub(crate) fn sorted<T>(rows: Vec<Row<Stamped<T>>>, name: &str) -> (Vec<Stamped<T>>, Vec<String>) {
     let stamps: Vec<Time> = rows.iter().map(|row| row.told.stamp).collect();
     let (mut steps, mut strays) = (Steps::default(), Vec::new());
     let mut kept: Vec<Stamped<T>> = Vec::with_capacity(rows.len());

@@ -9,21 +9,21 @@ use crate::log_file::{Damage, FaultKind, LineFault, Tally};
 
 /// A row with the number of its line.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Row<T> {
+pub(crate) struct Row<T> {
     pub line: u64,
     pub told: T,
 }
 
 /// What could be read of a file.
 #[derive(Debug)]
-pub(super) struct Table<T> {
+pub(crate) struct Table<T> {
     pub path: PathBuf,
     pub rows: Vec<Row<T>>,
     pub tally: Tally,
 }
 
 /// The table of this name in a folder, plain or else gzip.
-pub(super) fn find(folder: &Path, name: &str) -> Result<PathBuf, MrclamError> {
+pub(crate) fn find(folder: &Path, name: &str) -> Result<PathBuf, MrclamError> {
     if !folder.is_dir() {
         return Err(MrclamError::NoFolder { folder: folder.to_owned() });
     }
@@ -33,7 +33,7 @@ pub(super) fn find(folder: &Path, name: &str) -> Result<PathBuf, MrclamError> {
 }
 
 /// Reads a whole table; `parse` takes the words of one row.
-pub(super) fn read<T>(
+pub(crate) fn read<T>(
     path: PathBuf,
     message: &'static str,
     parse: impl Fn(&mut Words<'_>) -> Result<T, LineFault>,
@@ -91,7 +91,7 @@ fn row<T>(
 }
 
 /// A number of a subject or a bar code.
-pub(super) fn whole(words: &mut Words<'_>, field: &str) -> Result<u32, LineFault> {
+pub(crate) fn whole(words: &mut Words<'_>, field: &str) -> Result<u32, LineFault> {
     let value = words.number(field)?;
     if value.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&value) {
         return Ok(value as u32);
@@ -101,7 +101,7 @@ pub(super) fn whole(words: &mut Words<'_>, field: &str) -> Result<u32, LineFault
 }
 
 /// A number that cannot be negative.
-pub(super) fn not_negative(words: &mut Words<'_>, field: &str) -> Result<f64, LineFault> {
+pub(crate) fn not_negative(words: &mut Words<'_>, field: &str) -> Result<f64, LineFault> {
     let value = words.number(field)?;
     if value >= 0.0 {
         return Ok(value);

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
+use rumbo_kit::tum_rgbd::CameraMounting;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -16,8 +17,12 @@ use serde::{Deserialize, Serialize};
 #[serde(default, deny_unknown_fields)]
 pub struct RecordedPoseParams {
     /// Lines of `t x y theta` (seconds, meters, radians), plain or gzip, or a log with poses inside: those of `VERTEX2`
-    /// lines, else the first pose of each laser message. Without it: the recording that the world plays.
+    /// lines, else the first pose of each laser message, or a folder of the TUM RGB-D kind with its `groundtruth.txt`.
+    /// Without it: the recording that the world plays.
     pub file: Option<PathBuf>,
+    /// How the camera of a TUM RGB-D folder sat on its robot (`mount`), and where the world of its poses lies in the map
+    /// (`map_from_world`), both with the keys of a sensor's `mount`: the same as under `camera` of the world `log`.
+    pub camera: CameraMounting,
     /// Only scans whose stamp is that of a pose (within 0.1 ms) get a pose; those between two poses get none.
     pub only_exact: bool,
     /// Between poses that are farther apart than this nothing is known, seconds.
@@ -32,6 +37,7 @@ impl Default for RecordedPoseParams {
     fn default() -> Self {
         RecordedPoseParams {
             file: None,
+            camera: CameraMounting::default(),
             only_exact: false,
             max_gap_s: 2.0,
             deviation_m: 0.02,
@@ -48,12 +54,16 @@ impl Params for RecordedPoseParams {
             ("deviation_m", self.deviation_m, 1e3),
             ("deviation_deg", self.deviation_deg, 360.0),
         ];
+        let places = self.camera.faults().map(|(part, value)| {
+            BuildError::at(format!("camera.{part}"), format!("is {value}, expected a finite number"))
+        });
         limits
             .into_iter()
             .filter(|(_, value, most)| !(*value > 0.0 && value <= most))
             .map(|(key, value, most)| {
                 BuildError::at(key, format!("is {value}, expected a number above zero, at most {most}"))
             })
+            .chain(places)
             .collect()
     }
 }

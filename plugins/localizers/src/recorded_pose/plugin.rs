@@ -9,7 +9,8 @@ use rumbo_core::messages::{Check, Estimate, ObservationKind, Prior, Seen, Status
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, LocalizeError, Localizer};
 use rumbo_core::time::{Span, Time};
-use rumbo_kit::log_file::{BeamOverride, LogError, PoseTrack, Timeline, read_poses};
+use rumbo_kit::log_file::{BeamOverride, PoseTrack, Timeline, read_poses};
+use rumbo_kit::tum_rgbd::{is_folder, read_camera_track, read_folder};
 
 use super::follower::{Follower, Place};
 use super::params::RecordedPoseParams;
@@ -110,37 +111,49 @@ impl Plugin<dyn Localizer> for RecordedPoseParams {
                 BuildError::at("file", message).help("lines of `t x y theta`, or a log with poses inside")
             );
         };
-        let at_file = |error: LogError| BuildError::at("file", error.to_string());
-        let origin = match recording {
-            Some(recording) => Timeline::open(recording, BeamOverride::default()).map_err(at_file)?.origin(),
-            None => Time::ZERO,
-        };
+        let origin = recording.map_or(Ok(Time::ZERO), begins)?;
         let track = self.poses(context, path, origin)?;
         let follower = Follower::new(&track, origin, self.only_exact, Span::from_secs(self.max_gap_s));
         Ok(Box::new(RecordedPose::new(follower, self.deviation_m, self.deviation_deg.to_radians())))
     }
 }
 
+/// The stamp at which the time of a run begins that plays this recording.
+fn begins(recording: &Path) -> Result<Time, BuildError> {
+    if is_folder(recording) {
+        let read = read_folder(recording).map_err(|error| BuildError::at("file", error.to_string()))?;
+        return Ok(read.origin());
+    }
+    let timeline = Timeline::open(recording, BeamOverride::default());
+    Ok(timeline.map_err(|error| BuildError::at("file", error.to_string()))?.origin())
+}
+
 impl RecordedPoseParams {
     fn poses(&self, context: &BuildContext, path: &Path, origin: Time) -> Result<PoseTrack, BuildError> {
+        let at_file = |message: String| BuildError::at("file", message);
+        if is_folder(path) {
+            let (track, _) = read_camera_track(path).map_err(|error| at_file(error.to_string()))?;
+            return after(origin, path, self.camera.place().base_track(&track));
+        }
         // A long log is not read to its end only to check a pipeline.
         if context.dry_run && Timeline::open(path, BeamOverride::default()).is_ok() {
             return Ok(PoseTrack::default());
         }
-        let poses = read_poses(path).map_err(|error| BuildError::at("file", error.to_string()))?;
+        let poses = read_poses(path).map_err(|error| at_file(error.to_string()))?;
         if let (Some(_), Some(damage)) = (&self.file, &poses.tally.damage) {
             return Err(
                 BuildError::at("file", format!("{}: {damage}", path.display())).help("copy the file again")
             );
         }
-        if let Some((last, _)) = poses.track.last().filter(|(last, _)| *last < origin) {
-            let (last_s, origin_s) = (last.as_secs(), origin.as_secs());
-            let message = format!(
-                "{}: the last pose is of {last_s:.6} s, but the log begins at {origin_s:.6} s",
-                path.display()
-            );
-            return Err(BuildError::at("file", message).help("stamps of poses are absolute, as in the log"));
-        }
-        Ok(poses.track)
+        after(origin, path, poses.track)
     }
+}
+
+/// Poses, if one of them is not over before the log begins.
+fn after(origin: Time, path: &Path, track: PoseTrack) -> Result<PoseTrack, BuildError> {
+    let Some((last, _)) = track.last().filter(|(last, _)| *last < origin) else { return Ok(track) };
+    let (last_s, origin_s) = (last.as_secs(), origin.as_secs());
+    let message =
+        format!("{}: the last pose is of {last_s:.6} s, but the log begins at {origin_s:.6} s", path.display());
+    Err(BuildError::at("file", message).help("stamps of poses are absolute, as in the log"))
 }

@@ -149,6 +149,53 @@ fn absolute_stamps_of_poses_meet_the_recording_that_the_world_plays() {
     assert_eq!(x_at(alone.as_mut(), 51.0), (Status::Tracking, 51.0, 7.0));
 }
 
+/// A folder of depth pictures, gone with the test: its camera looks along the map's y axis and moves along it.
+struct TempFolder(PathBuf);
+
+impl Drop for TempFolder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn poses_of_a_recorded_camera_become_poses_of_its_robot() {
+    let path = std::env::temp_dir().join(format!("rumbo-recorded-camera-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&path);
+    std::fs::create_dir_all(path.join("depth")).unwrap();
+    let folder = TempFolder(path);
+    std::fs::write(folder.0.join("depth/a"), "").unwrap();
+    std::fs::write(folder.0.join("depth.txt"), "51.0 depth/a\n").unwrap();
+    // Optical axes: z ahead along y, x to the right along x, y down along -z.
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let poses = format!("51.0 1 2 0.7 {0} 0 0 {half}\n52.0 1 3 0.7 {0} 0 0 {half}\n", -half);
+    std::fs::write(folder.0.join("groundtruth.txt"), poses).unwrap();
+    let context = BuildContext { world_recording: Some(folder.0.clone()), ..BuildContext::bare("localizer") };
+    let pose_at = |keys: &str, seconds: f64| {
+        let mut localizer = built(keys, &context).unwrap();
+        localizer.start(&Prior::Unknown, &Map::default()).unwrap();
+        let estimate = update(localizer.as_mut(), seconds, &[scan(seconds)]);
+        let pose = estimate.pose2();
+        (estimate.status, [pose.translation.x, pose.translation.y, pose.rotation.angle().to_degrees()])
+    };
+    let near = |found: [f64; 3], expected: [f64; 3]| {
+        found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-6)
+    };
+    let (status, pose) = pose_at("", 0.0);
+    assert!(status == Status::Tracking && near(pose, [1.0, 2.0, 90.0]), "{pose:?}");
+    // Halfway between two poses, with the camera 0.2 m before and 0.1 m left of the robot's middle.
+    let (_, pose) = pose_at("camera = { mount = { x_m = 0.2, y_m = 0.1, z_m = 0.7 } }", 0.5);
+    assert!(near(pose, [1.1, 2.3, 90.0]), "{pose:?}");
+    let (_, pose) = pose_at("camera = { map_from_world = { x_m = 10.0, yaw_deg = 90.0 } }", 0.0);
+    assert!(near(pose, [8.0, 1.0, -180.0]) || near(pose, [8.0, 1.0, 180.0]), "{pose:?}");
+    std::fs::write(folder.0.join("groundtruth.txt"), "1.0 0 0 0 0 0 0 1\n").unwrap();
+    let fault = built("", &context).err().unwrap();
+    assert!(fault.message.contains("the log begins at 51.000000 s"), "{fault}");
+    std::fs::remove_file(folder.0.join("groundtruth.txt")).unwrap();
+    let fault = built("", &context).err().unwrap();
+    assert!(fault.path == "file" && fault.message.contains("neither groundtruth.txt"), "{fault}");
+}
+
 #[test]
 fn files_that_cannot_serve_are_named() {
     let error = |keys: &str, context: &BuildContext| built(keys, context).err().unwrap();
@@ -167,12 +214,15 @@ fn files_that_cannot_serve_are_named() {
 
 #[test]
 fn every_bad_value_is_named() {
+    let mut camera = rumbo_kit::tum_rgbd::CameraMounting::default();
+    camera.mount.z_m = f64::NAN;
     let bad = RecordedPoseParams {
+        camera,
         max_gap_s: 0.0,
         deviation_m: f64::NAN,
         deviation_deg: f64::INFINITY,
         ..RecordedPoseParams::default()
     };
     let keys: Vec<String> = Params::check(&bad).into_iter().map(|fault| fault.path).collect();
-    assert_eq!(keys, ["max_gap_s", "deviation_m", "deviation_deg"]);
+    assert_eq!(keys, ["max_gap_s", "deviation_m", "deviation_deg", "camera.mount.z_m"]);
 }

@@ -10,12 +10,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::mrclam::MrclamChannel;
+use super::rgbd::{RecordedCamera, RgbdChannel};
 
 /// The word that stands for the poses inside the log.
 pub const TRUTH_INSIDE: &str = "log";
 
 /// A recording of any size: a run of `rumbo run --record`, a ROS 2 bag (MCAP), a robot log of CARMEN (`.log`, `.clf`)
-/// or Wean Hall, plain or gzip, or one robot of an MRCLAM folder.
+/// or Wean Hall, plain or gzip, one robot of an MRCLAM folder, or a folder of depth pictures of the TUM RGB-D kind.
 ///
 /// Bags have `sensor_msgs/msg/LaserScan`, `nav_msgs/msg/Odometry`, `sensor_msgs/msg/Imu`, and `tf2_msgs/msg/TFMessage`
 /// for an odometer that speaks in transforms from `odom`. A run of ours brings its start, its map and its true poses
@@ -27,19 +28,26 @@ pub const TRUTH_INSIDE: &str = "log";
 /// robots, which move, are left out. The errors that it claims were measured on its data set 7: 5 cm and 0.05 rad over
 /// one meter, 0.1 rad over one radian, 0.15 m of range and 0.01 rad of bearing.
 ///
+/// A TUM RGB-D folder (Sturm et al. 2012) has the list `depth.txt`, where its camera was in `groundtruth.txt`, and maybe
+/// `accelerometer.txt`, plain or gzip. Its channels are `depth` (pictures, read when a sensor asks) and `imu` (accelerations
+/// along the camera's axes: x left, y up, z ahead in the file; there is no gyroscope, so rates are zero and there is no
+/// attitude). The colors are not read. Pictures that are not there, or cannot be read, are left out and told.
+///
 /// Time begins at the first stamp of the log. Records that are up to 2 s out of order are sorted by their stamps; what is
 /// farther out of order, or has the stamp of the record before it in its channel, is left out and counted. Lines that
 /// cannot be read are skipped and told at the end.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LogParams {
-    /// The log, or the folder of an MRCLAM data set, relative to the pipeline's folder.
+    /// The log, or the folder of an MRCLAM or TUM RGB-D data set, relative to the pipeline's folder.
     pub file: PathBuf,
     /// Which robot of an MRCLAM folder.
     pub robot: u32,
     /// The odometer of an MRCLAM folder tells of the time this much after its stamps, seconds: its velocities are
     /// commands, and a robot takes a while to obey. In data set 7 that is 0.2 s.
     pub odometer_delay_s: f64,
+    /// The camera of a TUM RGB-D folder.
+    pub camera: RecordedCamera,
     /// The map that belongs to the log: a map_server YAML file or a TOML world file, for plugins without a file of their
     /// own.
     pub map: Option<PathBuf>,
@@ -49,12 +57,13 @@ pub struct LogParams {
     /// sensor gets that one; the same goes for odometry.
     pub channels: BTreeMap<String, String>,
     /// Where an operator would say that the robot stands at the first stamp. Without it: the first true pose if it is
-    /// within 2 s of the first stamp; else, if there is no `map`, the odometer's first pose. An MRCLAM folder has no such
-    /// pose: without `start` and `truth` its robot may be anywhere.
+    /// within 2 s of the first stamp; else, if there is no `map`, the odometer's first pose. MRCLAM and TUM RGB-D folders
+    /// have no such pose: without `start` and `truth` their robot may be anywhere.
     pub start: Option<LogStart>,
     /// True poses: a file of `t x y theta` lines (absolute stamps in seconds as in the log, meters, radians; plain or
     /// gzip), or the word `log` for the poses inside the log: those of `VERTEX2` lines, else the first pose of each
-    /// laser message; of an MRCLAM folder the robot's `Groundtruth` table.
+    /// laser message; of an MRCLAM folder the robot's `Groundtruth` table; of a TUM RGB-D folder its
+    /// `groundtruth.txt`, as poses of the robot that carried the camera at `camera.mount`.
     pub truth: Option<PathBuf>,
     /// A range of this much or more means that nothing was seen, meters. Without it: what the log says, else 80.
     pub max_range_m: Option<f64>,
@@ -71,6 +80,7 @@ impl Default for LogParams {
             file: PathBuf::new(),
             robot: 1,
             odometer_delay_s: 0.0,
+            camera: RecordedCamera::default(),
             map: None,
             channels: BTreeMap::new(),
             start: None,
@@ -154,6 +164,18 @@ impl LogParams {
         self.channels.iter().map(channel).collect()
     }
 
+    /// The channels of a TUM RGB-D folder.
+    pub fn rgbd_channels(&self) -> Result<BTreeMap<String, RgbdChannel>, BuildError> {
+        let channel = |(sensor, name): (&String, &String)| {
+            let wrong = || {
+                let message = format!("is `{name}`, expected depth or imu: this is a TUM RGB-D folder");
+                BuildError::at(format!("channels.{sensor}"), message)
+            };
+            RgbdChannel::named(name).map(|known| (sensor.clone(), known)).ok_or_else(wrong)
+        };
+        self.channels.iter().map(channel).collect()
+    }
+
     fn mrclam_faults(&self) -> Vec<BuildError> {
         let mut faults = Vec::new();
         if self.robot == 0 {
@@ -182,7 +204,8 @@ impl Params for LogParams {
         if self.file.as_os_str().is_empty() {
             let fault = BuildError::at("file", "is missing, expected the path of a recording");
             faults.push(fault.help(
-                "runs (.mcap), ROS 2 bags (.mcap), CARMEN logs (.log, .clf), Wean Hall logs and MRCLAM folders are read",
+                "runs (.mcap), ROS 2 bags (.mcap), CARMEN logs (.log, .clf), Wean Hall logs, MRCLAM and TUM RGB-D \
+                 folders are read",
             ));
         }
         let start = self.start.iter().flat_map(|start| {
@@ -207,6 +230,7 @@ impl Params for LogParams {
             }
         }
         faults.extend(self.mrclam_faults());
+        faults.extend(self.camera.faults("camera"));
         faults
     }
 }

@@ -2,9 +2,11 @@
 
 mod bag_world;
 mod mrclam_world;
+mod rgbd_world;
 
 pub use bag_world::BagWorld;
 pub use mrclam_world::MrclamWorld;
+pub use rgbd_world::RgbdWorld;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -18,6 +20,7 @@ use rumbo_core::stages::{Advance, Answer, BuildContext, BuildError, Drove, Probe
 use rumbo_core::time::Time;
 use rumbo_kit::log_file::{Timeline, read_poses};
 use rumbo_kit::recording::MAGIC;
+use rumbo_kit::tum_rgbd::is_folder as is_rgbd_folder;
 
 use super::params::{LogParams, RecordedChannel};
 use super::playback::Playback;
@@ -26,7 +29,7 @@ use super::truth::KnownTruth;
 rumbo_core::register_world!(
     LogParams,
     "log",
-    "a recording: a run, a ROS 2 bag (MCAP), a CARMEN or Wean Hall log, of any size, an MRCLAM folder"
+    "a recording: a run, a ROS 2 bag (MCAP), a CARMEN or Wean Hall log, of any size, an MRCLAM or TUM RGB-D folder"
 );
 
 /// A recording.
@@ -49,6 +52,9 @@ impl Plugin<dyn World> for LogParams {
         let map_file = self.map.as_ref().map(|map| context.resolve(map));
         if let Some(map) = map_file.as_ref().filter(|map| !map.is_file()) {
             return Err(BuildError::at("map", format!("{}: there is no such file", map.display())));
+        }
+        if is_rgbd_folder(&file) {
+            return Ok(Box::new(RgbdWorld::build(self, context, file, map_file)?));
         }
         if file.is_dir() {
             return Ok(Box::new(MrclamWorld::build(self, context, file, map_file)?));
@@ -214,5 +220,7 @@ impl World for LogWorld {
 mod bag_tests;
 #[cfg(test)]
 mod mrclam_tests;
+#[cfg(test)]
+mod rgbd_tests;
 #[cfg(test)]
 mod tests;

@@ -33,7 +33,7 @@ impl MrclamWorld {
     ) -> Result<MrclamWorld, BuildError> {
         let at = |key: &str, error: MrclamError| {
             let fault = BuildError::at(key, error.to_string());
-            fault.help("a folder is played as an MRCLAM data set; other recordings are files")
+            fault.help("a folder with depth.txt is played as TUM RGB-D, any other one as an MRCLAM data set")
         };
         let channels = params.mrclam_channels()?;
         let log = read_robot(&folder, params.robot).map_err(|error| at("file", error))?;
