@@ -1,7 +1,7 @@
 //! Why there is no path, so that another planner can take over, and a person can see what happened.
 
 use super::attempts::Attempt;
-use super::descent::{ChargeRules, DescentRules, End, Walk};
+use super::descent::{ChargeRules, DescentRules, End, PlacedCharge, Walk};
 use rumbo_core::frames::Point2;
 use rumbo_core::stages::PlanError;
 use rumbo_kit::potential::{Field, Obstacles};
@@ -100,7 +100,14 @@ fn charges_of(walk: &Walk) -> String {
     if walk.charges.is_empty() {
         return String::new();
     }
-    let places: Vec<String> =
-        walk.charges.iter().map(|charge| format!("({:.2}, {:.2})", charge.at.x, charge.at.y)).collect();
-    format!("; charges were at {} m", places.join(", "))
+    let place = |charge: &PlacedCharge| format!("({:.2}, {:.2})", charge.at.x, charge.at.y);
+    let places: Vec<String> = walk.charges.iter().take(MOST_TOLD).map(place).collect();
+    let more = match walk.charges.len() - places.len() {
+        0 => String::new(),
+        n => format!(" and {n} more"),
+    };
+    format!("; charges were at {} m{more}", places.join(", "))
 }
+
+/// So many charges are told with their places.
+const MOST_TOLD: usize = 8;
