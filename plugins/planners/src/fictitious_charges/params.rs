@@ -85,7 +85,14 @@ field_params! {
     pub struct FictitiousChargesParams {
         /// The charges.
         pub charge: ChargeParams = ChargeParams::default(),
-        /// Charges after which the search ends.
+        /// Walks that are tried until one arrives. The first is as given. In the next two all lengths of the potential and
+        /// of charges are shrunk, in the second so far that the robot comes to rest 0.05 m farther from a wall than
+        /// `minimum_clearance_m`: so it gets through doors. Near the goal the repulsion fades in them, also where
+        /// `goal_scaling_m` is absent: so it gets to goals beside walls. All further walks are as small, every other one
+        /// leads from the goal to the robot, and one in five of their charges goes to the other side, by the seed. 1: only
+        /// the published walk.
+        pub attempts: usize = 24,
+        /// Charges after which a walk ends; a smaller one may place as many more as its floor is larger.
         pub max_charges: usize = 40,
         /// Steps whose net displacement is the heading that `side = "least_turn"` keeps.
         pub heading_window: usize = 50,
@@ -107,8 +114,10 @@ impl FictitiousChargesParams {
             ("charge.range_m", charge.range_m.unwrap_or(1.0)),
         ];
         faults.extend(check_rules(&above_zero, &[]));
-        if self.heading_window == 0 {
-            faults.push(BuildError::at("heading_window", "is 0, expected at least 1"));
+        for (key, count) in [("heading_window", self.heading_window), ("attempts", self.attempts)] {
+            if count == 0 {
+                faults.push(BuildError::at(key, "is 0, expected at least 1"));
+            }
         }
         faults
     }
@@ -137,6 +146,7 @@ impl FictitiousChargesParams {
                 ChargeSide::Right => SideRule::Right,
                 ChargeSide::Random => SideRule::Random,
             },
+            stray_share: 0.0,
             max_charges: self.max_charges,
             heading_window: self.heading_window,
             forget: self.forget,

@@ -22,7 +22,8 @@ impl Plugin<dyn Planner> for FictitiousChargesParams {
             fits_hull("minimum_clearance_m", clearance_m, &context.robot)?;
         }
         let (settings, charges) = self.rules();
-        let planner = FieldPlanner { settings, charges: Some(charges), rng: context.rng() };
+        let planner =
+            FieldPlanner { settings, charges: Some(charges), n_attempts: self.attempts, rng: context.rng() };
         Ok(Box::new(planner))
     }
 }

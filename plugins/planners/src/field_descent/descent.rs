@@ -4,7 +4,7 @@ use super::placement::{Minimum, Placement, Side, SideRule};
 use super::trail::Trail;
 use nalgebra::Vector2;
 use rumbo_core::frames::Point2;
-use rumbo_core::rng::Rng;
+use rumbo_core::rng::{Rng, RngExt};
 use rumbo_kit::potential::{ChargeLaw, Field, ON_A_LINE_M, Sample, without_approach};
 
 /// How long the steps are (`l`).
@@ -67,6 +67,8 @@ pub struct ChargeRules {
     pub placement: Placement,
     /// On which side.
     pub side: SideRule,
+    /// Chance that a charge goes to the other side than the rule says: what another walk tries.
+    pub stray_share: f64,
     /// More are not placed.
     pub max_charges: usize,
     /// Steps whose net displacement is the heading.
@@ -276,7 +278,9 @@ impl Descent<'_> {
         }
         let heading = self.trail.heading(rules.heading_window, 0.25 * self.least_step_m());
         let minimum = Minimum { at, goal: self.field.goal, repulsion: sample.repulsion, heading };
-        let side = rules.side.side(&minimum, rng);
+        let ruled = rules.side.side(&minimum, rng);
+        let side =
+            if rules.stray_share > 0.0 && rng.random_bool(rules.stray_share) { ruled.other() } else { ruled };
         let charge = minimum.charge(side, rules.placement, rules.distance_m);
         self.placed.push(PlacedCharge { at: charge, detected_at: at, side });
         self.active.push(charge);

@@ -7,6 +7,7 @@ pub(crate) mod params;
 
 pub(crate) mod planner;
 
+mod attempts;
 mod surroundings;
 
 pub mod descent;

@@ -177,15 +177,15 @@ macro_rules! field_params {
             /// Strength of the repulsion (`η`).
             pub eta: f64,
             /// Obstacles farther than this have no effect, meters (`d_obs`). With the other defaults, the robot stays about
-            /// 1 m from obstacles, and goals nearer than 1 m to one are refused: choose less, and a smaller `eta`, for
-            /// rooms.
+            /// 1 m from obstacles, and a walk to a goal nearer than 1 m to one is refused: choose less, and a smaller `eta`,
+            /// for rooms (with its cube the place of rest shrinks; `fictitious_charges` tries that by itself).
             pub influence_distance_m: f64,
             /// Where `form = "combined"` changes from quadratic to conic, meters (`d_c`).
             pub combined_radius_m: f64,
             /// Distances are measured from the robot's hull (the smallest disc around it), not from its middle.
             pub inflate: bool,
             /// Within this distance of the goal the repulsion fades, so that goals beside obstacles can be reached, meters
-            /// (`d_s`). Absent: such goals are refused.
+            /// (`d_s`). Absent: such goals are refused, but for the further `attempts` of `fictitious_charges`.
             pub goal_scaling_m: Option<f64>,
             /// Steps: `constant`, as published, or `adaptive` (a fifth of the room to the nearest obstacle, from `step_m`
             /// to `largest_step_m`).

@@ -53,6 +53,16 @@ pub struct Minimum {
     pub heading: Option<Vector2<f64>>,
 }
 
+impl Side {
+    /// Right for left.
+    pub fn other(self) -> Side {
+        match self {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        }
+    }
+}
+
 impl SideRule {
     /// The side at this minimum.
     pub fn side(self, minimum: &Minimum, rng: &mut Rng) -> Side {

@@ -1,7 +1,8 @@
 //! From a request to a path: obstacles, the check of the goal, the walk, its legs.
 
+use super::attempts::Attempt;
 use super::descent::{ChargeRules, DescentRules, End, Walk, descend};
-use super::failure;
+use super::failure::{self, Failures};
 use super::figures;
 use super::params::FieldSettings;
 use super::rounding::Rounded;
@@ -22,6 +23,8 @@ const BEYOND_CLEARANCE_M: f64 = 0.5;
 pub(crate) struct FieldPlanner {
     pub settings: FieldSettings,
     pub charges: Option<ChargeRules>,
+    /// Walks that are tried; 1: only as given.
+    pub n_attempts: usize,
     /// Every plan draws from the same stream, so that the same request gives the same path.
     pub rng: Rng,
 }
@@ -36,27 +39,73 @@ impl Planner for FieldPlanner {
         let rules = DescentRules { minimum_clearance_m, ..settings.descent };
         let reach_m = repulsion.reach_m().max(minimum_clearance_m + BEYOND_CLEARANCE_M);
         let obstacles = obstacles(request, settings.source, settings.grouping, reach_m)?;
-        if request.give_up.is_raised() {
-            return Err(PlanError::GivenUp);
-        }
-        let field = Field {
-            goal: request.goal.position,
-            attraction: settings.attraction,
-            obstacles: &obstacles,
-            repulsion,
-            goal_scaling_m: settings.goal_scaling_m,
-        };
-        failure::check_goal(&field, &rules)?;
-        let start = Point2::from(request.start.translation.vector);
-        let mut give_up = || request.give_up.is_raised();
-        let walk = descend(&field, &rules, self.charges.as_ref(), start, &mut self.rng.clone(), &mut give_up);
-        figures::draw(request, &field, self.charges.as_ref(), &walk);
-        if walk.end != End::Arrived {
-            return Err(failure::of(&walk, &rules, self.charges.as_ref()));
-        }
+        failure::check_clearance(&obstacles, request.goal.position, minimum_clearance_m)?;
+        let search = Search { planner: self, request, obstacles: &obstacles, rules, repulsion };
+        let walk = search.first_that_arrives()?;
         let way = self.legs(request, &obstacles, &walk, minimum_clearance_m);
         figures::count(&request.trace, &obstacles, &walk, &way);
         path(request, &way)
+    }
+}
+
+/// One request on its way through the attempts.
+struct Search<'a> {
+    planner: &'a FieldPlanner,
+    request: &'a PlanRequest,
+    obstacles: &'a Obstacles,
+    rules: DescentRules,
+    repulsion: Repulsion,
+}
+
+impl Search<'_> {
+    /// The walk of the first attempt that arrives; the failure of the first one that began where none does.
+    fn first_that_arrives(&self) -> Result<Walk, PlanError> {
+        let FieldPlanner { settings, charges, n_attempts, rng } = self.planner;
+        let given = Attempt {
+            scale: 1.0,
+            is_backward: false,
+            repulsion: self.repulsion,
+            goal_scaling_m: settings.goal_scaling_m,
+            charges: *charges,
+        };
+        let (mut rng, mut failures) = (rng.clone(), Failures::default());
+        let clearance_m = self.rules.minimum_clearance_m;
+        for attempt in given.followed_by(&settings.attraction, clearance_m, *n_attempts) {
+            if self.request.give_up.is_raised() {
+                return Err(PlanError::GivenUp);
+            }
+            match self.walk(&attempt, &mut rng) {
+                Ok(walk) => return Ok(walk),
+                Err(PlanError::GivenUp) => return Err(PlanError::GivenUp),
+                Err(failure) => failures.add(failure, &attempt),
+            }
+        }
+        Err(failures.summed_up())
+    }
+
+    fn walk(&self, attempt: &Attempt, rng: &mut Rng) -> Result<Walk, PlanError> {
+        let request = self.request;
+        let ends = [Point2::from(request.start.translation.vector), request.goal.position];
+        let [start, goal] = if attempt.is_backward { [ends[1], ends[0]] } else { ends };
+        let field = Field {
+            goal,
+            attraction: self.planner.settings.attraction,
+            obstacles: self.obstacles,
+            repulsion: attempt.repulsion,
+            goal_scaling_m: attempt.goal_scaling_m,
+        };
+        failure::check_goal(&field, &self.rules)?;
+        let mut give_up = || request.give_up.is_raised();
+        let mut walk = descend(&field, &self.rules, attempt.charges.as_ref(), start, rng, &mut give_up);
+        if walk.end != End::Arrived {
+            return Err(failure::of(&walk, &self.rules, attempt.charges.as_ref()));
+        }
+        figures::draw(request, &field, attempt.charges.as_ref(), &walk);
+        if attempt.is_backward {
+            walk.points.push(goal);
+            walk.points.reverse();
+        }
+        Ok(walk)
     }
 }
 

@@ -21,7 +21,8 @@ impl Plugin<dyn Planner> for PotentialFieldParams {
         if let Some(clearance_m) = self.minimum_clearance_m {
             fits_hull("minimum_clearance_m", clearance_m, &context.robot)?;
         }
-        let planner = FieldPlanner { settings: self.rules(), charges: None, rng: context.rng() };
+        let planner =
+            FieldPlanner { settings: self.rules(), charges: None, n_attempts: 1, rng: context.rng() };
         Ok(Box::new(planner))
     }
 }

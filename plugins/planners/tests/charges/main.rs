@@ -10,6 +10,7 @@ mod limits;
 mod log_lines;
 mod maps;
 mod odd_input;
+mod office;
 mod queries;
 mod random_ways;
 mod traps;

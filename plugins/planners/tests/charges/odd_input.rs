@@ -57,9 +57,17 @@ fn a_line_that_is_not_finite_is_named() {
 #[test]
 fn goals_that_are_pushed_away_are_told_with_the_distance_that_they_need() {
     // 0.8 m from the north wall: the balance is at 1 m.
-    let answer = plan(&request(&map(), p(2.0, 2.0), p(12.0, 29.2)));
+    let asked = request(&map(), p(2.0, 2.0), p(12.0, 29.2));
+    let published = FictitiousChargesParams { attempts: 1, ..on_lines() };
+    let answer = published.build(&BuildContext::bare("planner")).unwrap().plan(&asked);
     let Err(PlanError::GoalTooClose { found_m, needed_m, .. }) = answer else { panic!("{answer:?}") };
     assert!((found_m - 0.8).abs() < 1e-9 && (needed_m - 1.0).abs() < 1e-6, "{found_m} {needed_m}");
+    // Smaller walks get there, and nearer, but not nearer than the clearance.
+    plan(&asked).unwrap();
+    plan(&request(&map(), p(2.0, 2.0), p(12.0, 29.69))).unwrap();
+    let answer = plan(&request(&map(), p(2.0, 2.0), p(12.0, 29.75)));
+    let Err(PlanError::GoalTooClose { needed_m, .. }) = answer else { panic!("{answer:?}") };
+    assert!((needed_m - 0.3).abs() < 1e-9, "{needed_m}");
 }
 
 /// 100,000 lines around the way of a robot.
@@ -128,18 +136,18 @@ fn failures_say_where_and_list_the_charges() {
     let answer = planner.plan(&request);
     let Err(PlanError::Stuck { place, reason }) = answer else { panic!("{answer:?}") };
     assert!((place - p(20.0, 15.0)).norm() < 0.05 && reason.contains("local minimum"), "{place} {reason}");
-    let mut planner = FictitiousChargesParams { max_charges: 1, ..on_lines() }
+    let mut planner = FictitiousChargesParams { max_charges: 1, attempts: 1, ..on_lines() }
         .build(&BuildContext::bare("planner"))
         .unwrap();
     let answer = planner.plan(&request);
     let Err(PlanError::Stuck { reason, .. }) = answer else { panic!("{answer:?}") };
     assert!(reason.contains("max_charges = 1") && reason.contains("(20.71, 15.69)"), "{reason}");
-    let mut planner = FictitiousChargesParams { max_steps: 100, ..on_lines() }
+    let mut planner = FictitiousChargesParams { max_steps: 100, attempts: 3, ..on_lines() }
         .build(&BuildContext::bare("planner"))
         .unwrap();
     let answer = planner.plan(&request);
     let Err(PlanError::Stuck { reason, .. }) = answer else { panic!("{answer:?}") };
-    assert!(reason.contains("max_steps = 100"), "{reason}");
+    assert!(reason.contains("max_steps = 100") && reason.contains("none of 3 attempts"), "{reason}");
 }
 
 #[test]
