@@ -2,7 +2,8 @@
 //! three points, or in more: every leg turns the robot the same way, ahead and backwards by turns.
 //!
 //! The legs are the ones of the shortest ways with turns back (Reeds and Shepp, "Optimal paths for a car that goes both
-//! forwards and backwards", 1990): arcs of the smallest radius between cusps. How long they are is left to the room.
+//! forwards and backwards", 1990): arcs of the smallest radius between cusps. How long they are, and how
+//! much wider, is left to the room.
 
 use rumbo_core::frames::Point2;
 
@@ -40,7 +41,9 @@ impl Maneuver {
     /// More legs do not get anywhere.
     const MOST_LEGS: u32 = 12;
     /// Less room than this is none for a leg, meters.
-    const NO_ROOM_M: f64 = 0.05;
+    const NO_ROOM_M: f64 = 0.10;
+    /// Arcs that are tried, as shares of the tightest.
+    const TIGHTNESS: [f64; 4] = [1.0, 0.5, 0.25, 0.0];
 
     /// Begins at this place with a leg in this direction; the robot turns to the side that the bearing has.
     pub fn begin(at: Point2, bearing_rad: f64, direction: Direction, longest_leg_m: f64) -> Maneuver {
@@ -53,21 +56,25 @@ impl Maneuver {
         self.side
     }
 
-    /// The direction to drive in at this place; none where there is no room either way, or it took too many legs.
-    /// `free_m` tells how far a leg may go.
-    pub fn next(&mut self, at: Point2, free_m: &dyn Fn(Direction) -> f64) -> Option<Direction> {
+    /// How to drive on at this place: the direction, and how tightly to turn, as a share of the tightest. None where there
+    /// is no room either way, or it took too many legs. `free_m` tells how far such an arc is free.
+    ///
+    /// A long hull beside a wall swings into it on a tight arc, and not on a wide one or straight on.
+    pub fn next(&mut self, at: Point2, free_m: &dyn Fn(Direction, f64) -> f64) -> Option<(Direction, f64)> {
         self.moved_m += (at - self.last).norm();
         self.last = at;
-        let is_over = self.moved_m >= self.longest_leg_m || free_m(self.direction) < Self::NO_ROOM_M;
-        if is_over {
-            self.direction = self.direction.other();
-            self.moved_m = 0.0;
-            self.n_legs += 1;
-            if self.n_legs > Self::MOST_LEGS || free_m(self.direction) < Self::NO_ROOM_M {
-                return None;
-            }
+        let tightest = |direction| {
+            let has_room = |share: &f64| free_m(direction, *share) >= Self::NO_ROOM_M;
+            Self::TIGHTNESS.into_iter().find(has_room).map(|share| (direction, share))
+        };
+        let goes_on = tightest(self.direction).filter(|_| self.moved_m < self.longest_leg_m);
+        if goes_on.is_some() {
+            return goes_on;
         }
-        Some(self.direction)
+        self.direction = self.direction.other();
+        self.moved_m = 0.0;
+        self.n_legs += 1;
+        tightest(self.direction).filter(|_| self.n_legs <= Self::MOST_LEGS)
     }
 }
 
@@ -102,12 +109,24 @@ mod tests {
     fn legs_change_where_room_or_length_ends() {
         let mut maneuver = Maneuver::begin(Point2::origin(), -2.0, Direction::Back, 1.0);
         assert_eq!(maneuver.side(), -1.0);
-        let roomy = |_: Direction| 3.0;
-        assert_eq!(maneuver.next(Point2::new(-0.6, 0.0), &roomy), Some(Direction::Back));
-        assert_eq!(maneuver.next(Point2::new(-1.1, 0.0), &roomy), Some(Direction::Ahead));
-        let nothing_ahead = |direction: Direction| if direction == Direction::Ahead { 0.01 } else { 1.0 };
-        assert_eq!(maneuver.next(Point2::new(-1.0, 0.0), &nothing_ahead), Some(Direction::Back));
-        assert_eq!(maneuver.next(Point2::new(-1.1, 0.0), &|_| 0.0), None);
+        let roomy = |_: Direction, _: f64| 3.0;
+        assert_eq!(maneuver.next(Point2::new(-0.6, 0.0), &roomy), Some((Direction::Back, 1.0)));
+        assert_eq!(maneuver.next(Point2::new(-1.1, 0.0), &roomy), Some((Direction::Ahead, 1.0)));
+        let nothing_ahead =
+            |direction: Direction, _: f64| if direction == Direction::Ahead { 0.01 } else { 1.0 };
+        assert_eq!(maneuver.next(Point2::new(-1.0, 0.0), &nothing_ahead), Some((Direction::Back, 1.0)));
+        assert_eq!(maneuver.next(Point2::new(-1.1, 0.0), &|_, _| 0.0), None);
+    }
+
+    #[test]
+    fn it_turns_as_tightly_as_there_is_room() {
+        let mut maneuver = Maneuver::begin(Point2::origin(), 1.0, Direction::Ahead, 1.0);
+        let beside_a_wall = |_: Direction, share: f64| if share > 0.3 { 0.0 } else { 1.0 };
+        assert_eq!(maneuver.next(Point2::origin(), &beside_a_wall), Some((Direction::Ahead, 0.25)));
+        let straight_back = |direction: Direction, share: f64| {
+            if direction == Direction::Back && share == 0.0 { 1.0 } else { 0.0 }
+        };
+        assert_eq!(maneuver.next(Point2::origin(), &straight_back), Some((Direction::Back, 0.0)));
     }
 
     #[test]
@@ -122,7 +141,7 @@ mod tests {
     fn it_ends_after_many_legs() {
         let mut maneuver = Maneuver::begin(Point2::origin(), 1.0, Direction::Ahead, 0.1);
         let n_legs = (1..100)
-            .take_while(|k| maneuver.next(Point2::new(0.2 * f64::from(*k), 0.0), &|_| 1.0).is_some())
+            .take_while(|k| maneuver.next(Point2::new(0.2 * f64::from(*k), 0.0), &|_, _| 1.0).is_some())
             .count();
         assert_eq!(n_legs, 12);
     }

@@ -170,7 +170,7 @@ impl PurePursuit {
         let Some((bearing_rad, _, _)) = ahead else { return false };
         let direction = if wanted.forward_m_s > 0.0 { Direction::Back } else { Direction::Ahead };
         let at = input.map_from_base.translation.vector.into();
-        self.maneuver = Some(Maneuver::begin(at, bearing_rad, direction, self.pursuit.quarter_m()));
+        self.maneuver = Some(Maneuver::begin(at, bearing_rad, direction, self.pursuit.half_turn_m()));
         true
     }
 
@@ -192,15 +192,15 @@ impl PurePursuit {
             return self.drive(now, arc, input, odom_from_base);
         }
         let side = maneuver.side();
-        let leg = |direction| self.pursuit.full_turn(side, direction);
-        let next = maneuver.next(input.map_from_base.translation.vector.into(), &|direction| {
-            self.way.free(leg(direction)).along_m
+        let leg = |direction, share: f64| self.pursuit.turning(side * share, direction);
+        let next = maneuver.next(input.map_from_base.translation.vector.into(), &|direction, share| {
+            self.way.free(leg(direction, share)).along_m
         });
-        let Some(direction) = next else {
+        let Some((direction, share)) = next else {
             self.maneuver = None;
             return Ok(self.block(wanted, input));
         };
-        let wanted = leg(direction);
+        let wanted = leg(direction, share);
         self.drive(now, wanted, input, odom_from_base)
     }
 

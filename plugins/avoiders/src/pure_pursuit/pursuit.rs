@@ -149,9 +149,9 @@ impl Pursuit {
         Some((target.y.atan2(target.x), self.arc(target, left_m), needs_m))
     }
 
-    /// On the smallest circle, turning left (`side` 1) or right (-1).
-    pub fn full_turn(&self, side: f64, direction: Direction) -> Twist {
-        let curvature = side / self.tuning.radius_m.max(1e-9);
+    /// Turning left (`tightness` above 0) or right, on the smallest circle where that is 1 or -1, straight on where it is 0.
+    pub fn turning(&self, tightness: f64, direction: Direction) -> Twist {
+        let curvature = tightness / self.tuning.radius_m.max(1e-9);
         match direction {
             Direction::Back => self.backwards(-curvature),
             Direction::Ahead => {
@@ -166,9 +166,9 @@ impl Pursuit {
         self.tuning.radius_m > 0.0 && self.tuning.backs_up
     }
 
-    /// A quarter of the smallest circle, meters.
-    pub fn quarter_m(&self) -> f64 {
-        std::f64::consts::FRAC_PI_2 * self.tuning.radius_m
+    /// Half of the smallest circle, meters.
+    pub fn half_turn_m(&self) -> f64 {
+        std::f64::consts::PI * self.tuning.radius_m
     }
 
     /// How far along its path the robot has come, meters.
