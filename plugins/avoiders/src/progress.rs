@@ -13,7 +13,8 @@ pub struct Progress {
 #[derive(Debug, Clone, Copy)]
 struct Began {
     stamp: Time,
-    turns: bool,
+    /// 0 for a turn in place, else the sign of the speed: what is done back undoes what was done ahead.
+    direction: f64,
     odom_from_base: Pose2,
     last: Time,
     asked: f64,
@@ -37,8 +38,9 @@ impl Progress {
     pub fn is_stuck(&mut self, now: Time, twist: Twist, odom_from_base: &Pose2) -> bool {
         let turns = twist.speed_m_s() == 0.0;
         let rate = if turns { twist.turn_rad_s.abs() } else { twist.speed_m_s() };
-        let fresh = Began { stamp: now, turns, odom_from_base: *odom_from_base, last: now, asked: 0.0 };
-        let Some(began) = self.began.as_mut().filter(|began| began.turns == turns) else {
+        let direction = if turns { 0.0 } else { 1.0_f64.copysign(twist.forward_m_s) };
+        let fresh = Began { stamp: now, direction, odom_from_base: *odom_from_base, last: now, asked: 0.0 };
+        let Some(began) = self.began.as_mut().filter(|began| began.direction == direction) else {
             self.began = Some(fresh);
             return false;
         };
@@ -88,6 +90,10 @@ mod tests {
         let still = pose2(1.0, 2.0, 3.0);
         for k in 0..300 {
             let twist = if k % 20 < 10 { Twist::new(0.1, 0.0) } else { Twist::new(0.0, 0.1) };
+            assert!(!progress.is_stuck(Time::from_secs(f64::from(k) * 0.1), twist, &still));
+        }
+        for k in 300..600 {
+            let twist = Twist::new(if k % 40 < 20 { 0.1 } else { -0.1 }, 0.05);
             assert!(!progress.is_stuck(Time::from_secs(f64::from(k) * 0.1), twist, &still));
         }
         progress.rest();

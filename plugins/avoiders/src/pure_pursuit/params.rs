@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 /// in front of what is in its way.
 ///
 /// For every drive. A robot that turns in place does so where its path leads off to the side; one that cannot (a tricycle)
-/// backs up where its path is behind it or ends inside its turning circles. Headings of waypoints are for robots that turn
+/// backs up where its path is behind it or ends inside its turning circles, and turns to and fro where the map leaves no room
+/// for the arc to its path. Headings of waypoints are for robots that turn
 /// in place.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]

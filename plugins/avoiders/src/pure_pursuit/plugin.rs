@@ -1,6 +1,8 @@
 //! The avoider: pursuit, brakes, and when the way is blocked.
 
 use super::PurePursuitParams;
+use super::caution::Caution;
+use super::maneuver::{Direction, Maneuver, Tried};
 use super::pursuit::{Motion, Pursuit};
 use super::way_ahead::{Free, WayAhead};
 use crate::listening::Listening;
@@ -29,6 +31,9 @@ pub struct PurePursuit {
     progress: Progress,
     caution: Caution,
     following: Option<u64>,
+    /// Turning to and fro.
+    maneuver: Option<Maneuver>,
+    tried: Tried,
     /// The path is blocked, and this was said.
     is_blocked: bool,
     /// Standing in front of something since then.
@@ -36,28 +41,13 @@ pub struct PurePursuit {
     listening: Listening,
 }
 
-/// How near things slow the robot.
-#[derive(Debug, Clone, Copy)]
-struct Caution {
-    least_m_s: f64,
-    slow_within_m: f64,
-    clearance_m: f64,
-}
-
-impl Caution {
-    /// How much of the speed is left beside something this near.
-    fn beside_m_s(&self, beside_m: f64, wanted_m_s: f64) -> f64 {
-        let room_m = (beside_m - self.clearance_m).max(0.0);
-        let most_m = (self.slow_within_m - self.clearance_m).max(1e-9);
-        (wanted_m_s * (room_m / most_m)).max(self.least_m_s)
-    }
-}
-
 impl PurePursuit {
     /// Readings are kept this much farther than anything looks, meters.
     const MARGIN_M: f64 = 1.0;
     /// The robot's velocity explains where it was at most this long ago, seconds.
     const OLDEST_S: f64 = 1.0;
+    /// A turn to and fro may end where the point pursued is this near to straight ahead, radians.
+    const TURNED_RAD: f64 = 1.0;
     /// Less free way than this is none, meters.
     const NO_WAY_M: f64 = 0.05;
 
@@ -78,6 +68,8 @@ impl PurePursuit {
             params: params.clone(),
             caution,
             following: None,
+            maneuver: None,
+            tried: Tried::default(),
             is_blocked: false,
             standing_since: None,
             listening: Listening::new(Span::from_secs(params.stale_after_s)),
@@ -101,6 +93,7 @@ impl PurePursuit {
         if self.following != Some(input.path_number) {
             self.following = Some(input.path_number);
             (self.is_blocked, self.standing_since) = (false, None);
+            (self.maneuver, self.tried) = (None, Tried::default());
             self.pursuit.follow(path);
         }
         !self.is_blocked
@@ -130,6 +123,9 @@ impl PurePursuit {
         }
         let Free { along_m, beside_m } = self.way.free(wanted);
         if along_m < Self::NO_WAY_M {
+            if self.begins_to_maneuver(wanted, input) {
+                return Ok(self.stand());
+            }
             let since = *self.standing_since.get_or_insert(now);
             if now - since >= Span::from_secs(self.params.wait_s) {
                 return Ok(self.block(wanted, input));
@@ -145,6 +141,52 @@ impl PurePursuit {
             return Ok(self.block(wanted, input));
         }
         Ok(Steering::Drive(twist))
+    }
+
+    /// What is in the way is on the map: another plan would lead along it again. So the robot turns to its path where it
+    /// is, unless it did so here before.
+    fn begins_to_maneuver(&mut self, wanted: Twist, input: &AvoidInput<'_>) -> bool {
+        if self.maneuver.is_some() || !self.pursuit.maneuvers() || !self.tried.again_at(self.pursuit.come_m())
+        {
+            return false;
+        }
+        let is_known = self.way.unexpected(wanted, &input.map_from_base, input.grid).is_empty();
+        let ahead = self.pursuit.ahead(&input.map_from_base, input.twist).filter(|_| is_known);
+        let Some((bearing_rad, _, _)) = ahead else { return false };
+        let direction = if wanted.forward_m_s > 0.0 { Direction::Back } else { Direction::Ahead };
+        let at = input.map_from_base.translation.vector.into();
+        self.maneuver = Some(Maneuver::begin(at, bearing_rad, direction, self.pursuit.half_turn_m()));
+        true
+    }
+
+    /// Drives as wanted, or the next leg of a turn to and fro until the arc to the path is free.
+    fn go(
+        &mut self,
+        now: Time,
+        wanted: Twist,
+        input: &AvoidInput<'_>,
+        odom_from_base: &Pose2,
+    ) -> Result<Steering, AvoidError> {
+        let ahead = self.pursuit.ahead(&input.map_from_base, input.twist);
+        let (Some(maneuver), Some((bearing_rad, arc, needs_m))) = (&mut self.maneuver, ahead) else {
+            return self.drive(now, wanted, input, odom_from_base);
+        };
+        if bearing_rad.abs() < Self::TURNED_RAD && self.way.free(arc).along_m >= needs_m {
+            self.maneuver = None;
+            self.pursuit.go_ahead();
+            return self.drive(now, arc, input, odom_from_base);
+        }
+        let side = maneuver.side();
+        let leg = |direction, share: f64| self.pursuit.turning(side * share, direction);
+        let next = maneuver.next(input.map_from_base.translation.vector.into(), &|direction, share| {
+            self.way.free(leg(direction, share)).along_m
+        });
+        let Some((direction, share)) = next else {
+            self.maneuver = None;
+            return Ok(self.block(wanted, input));
+        };
+        let wanted = leg(direction, share);
+        self.drive(now, wanted, input, odom_from_base)
     }
 
     fn turn(&mut self, now: Time, twist: Twist, input: &AvoidInput<'_>, odom_from_base: &Pose2) -> Steering {
@@ -174,10 +216,10 @@ impl Avoider for PurePursuit {
             Motion::Arrived => Ok(Steering::Arrived),
             Motion::CannotFollow => Ok(self.block(Twist::new(self.params.least_m_s, 0.0), input)),
             Motion::Turn(twist) => Ok(self.turn(cx.now, twist, input, &odom_from_base)),
-            Motion::Drive(twist) => self.drive(cx.now, twist, input, &odom_from_base),
+            Motion::Drive(twist) => self.go(cx.now, twist, input, &odom_from_base),
             Motion::TurnAround { around, needs_m, back } => {
                 let has_room = self.way.free(around).along_m >= needs_m;
-                self.drive(cx.now, if has_room { around } else { back }, input, &odom_from_base)
+                self.go(cx.now, if has_room { around } else { back }, input, &odom_from_base)
             }
         }
     }

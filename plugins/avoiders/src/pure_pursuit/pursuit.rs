@@ -5,6 +5,7 @@
 //! Not in the sources: what a robot does that cannot turn in place and has its path behind it, or its end inside its
 //! turning circles. It backs up.
 
+use super::maneuver::Direction;
 use super::route::Route;
 use rumbo_core::frames::{Point2, Pose2, Twist, wrap_angle};
 
@@ -119,10 +120,7 @@ impl Pursuit {
         if self.gait == Gait::Settling || (end_m <= arrival_radius_m && !passes_by) {
             return self.settle(map_from_base);
         }
-        let look_ahead_m = (twist.speed_m_s() * self.tuning.look_ahead_s)
-            .clamp(self.tuning.look_ahead_m[0], self.tuning.look_ahead_m[1]);
-        let Some(target) = self.route.ahead(look_ahead_m) else { return Motion::Arrived };
-        let target = map_from_base.inverse() * target;
+        let Some(target) = self.target(map_from_base, twist) else { return Motion::Arrived };
         let bearing_rad = target.y.atan2(target.x);
         self.count_backing(position);
         self.choose_gait(target, bearing_rad, arrival_radius_m);
@@ -133,6 +131,54 @@ impl Pursuit {
             Gait::Backing => self.back_up(target, bearing_rad),
             _ => Motion::Drive(self.arc(target, self.route.left_m().max(end_m))),
         }
+    }
+
+    /// The point pursued, seen from the robot.
+    fn target(&self, map_from_base: &Pose2, twist: Twist) -> Option<Point2> {
+        let look_ahead_m = (twist.speed_m_s() * self.tuning.look_ahead_s)
+            .clamp(self.tuning.look_ahead_m[0], self.tuning.look_ahead_m[1]);
+        Some(map_from_base.inverse() * self.route.ahead(look_ahead_m)?)
+    }
+
+    /// What a robot that turns to and fro would turn to: the bearing of the point pursued, and the arc to it with the way
+    /// along it that must be free, meters.
+    pub fn ahead(&self, map_from_base: &Pose2, twist: Twist) -> Option<(f64, Twist, f64)> {
+        let target = self.target(map_from_base, twist)?;
+        let left_m = self.route.left_m().max(target.coords.norm());
+        let needs_m = left_m.min(self.tuning.look_ahead_m[1]);
+        Some((target.y.atan2(target.x), self.arc(target, left_m), needs_m))
+    }
+
+    /// Turning left (`tightness` above 0) or right, on the smallest circle where that is 1 or -1, straight on where it is 0.
+    pub fn turning(&self, tightness: f64, direction: Direction) -> Twist {
+        let curvature = tightness / self.tuning.radius_m.max(1e-9);
+        match direction {
+            Direction::Back => self.backwards(-curvature),
+            Direction::Ahead => {
+                let twist = self.backwards(curvature);
+                Twist::new(-twist.forward_m_s, -twist.turn_rad_s)
+            }
+        }
+    }
+
+    /// It turns to and fro where it must: it cannot turn in place, and may drive backwards.
+    pub fn maneuvers(&self) -> bool {
+        self.tuning.radius_m > 0.0 && self.tuning.backs_up
+    }
+
+    /// Half of the smallest circle, meters.
+    pub fn half_turn_m(&self) -> f64 {
+        std::f64::consts::PI * self.tuning.radius_m
+    }
+
+    /// How far along its path the robot has come, meters.
+    pub fn come_m(&self) -> f64 {
+        self.route.come_m()
+    }
+
+    /// Goes on ahead, with the way that was backed forgotten.
+    pub fn go_ahead(&mut self) {
+        (self.gait, self.backed_m) = (Gait::Ahead, 0.0);
     }
 
     fn count_backing(&mut self, position: Point2) {

@@ -25,6 +25,16 @@ pub enum StepRule {
     },
 }
 
+impl StepRule {
+    /// No step is longer, meters.
+    pub fn longest_m(&self) -> f64 {
+        match *self {
+            StepRule::Constant { step_m } => step_m,
+            StepRule::Adaptive { most_m, .. } => most_m,
+        }
+    }
+}
+
 /// Share of the room to the nearest obstacle that an adaptive step takes.
 const ROOM_SHARE: f64 = 0.2;
 /// What an adaptive step shrinks by after a turn back, and grows by after every other step.
@@ -104,9 +114,7 @@ pub enum End {
     OutOfSteps,
     /// The start lies on an obstacle.
     StartInObstacle,
-    /// A step ended on an obstacle.
-    StepIntoObstacle,
-    /// A charge pushed the robot nearer to an obstacle than it may come.
+    /// Nearer to an obstacle than the robot may come: obstacles are looked for within less than a step of where they push.
     ClearanceLost {
         /// How near, meters.
         clearance_m: f64,
@@ -220,9 +228,8 @@ impl Descent<'_> {
     }
 
     fn too_near(&mut self, sample: &Sample) -> Option<End> {
-        if sample.clearance_m < ON_A_LINE_M {
-            let is_start = self.trail.n_steps() == 0;
-            return Some(if is_start { End::StartInObstacle } else { End::StepIntoObstacle });
+        if self.trail.n_steps() == 0 && sample.clearance_m < ON_A_LINE_M {
+            return Some(End::StartInObstacle);
         }
         let floor_m = *self.floor_m.get_or_insert(self.rules.minimum_clearance_m.min(sample.clearance_m));
         let is_lost = sample.clearance_m < floor_m - 0.5 * self.least_step_m();

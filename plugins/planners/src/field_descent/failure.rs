@@ -88,9 +88,8 @@ pub(super) fn of(walk: &Walk, rules: &DescentRules, charge_rules: Option<&Charge
             "max_steps = {} ended the search after {:.1} m{charges}",
             rules.max_steps, walk.length_m
         )),
-        End::StepIntoObstacle => stuck(format!("a step ended on an obstacle; shorten step_m{charges}")),
         End::ClearanceLost { clearance_m } => stuck(format!(
-            "pushed to {clearance_m:.2} m from an obstacle, where {:.2} m are kept (minimum_clearance_m){charges}",
+            "led to {clearance_m:.2} m from an obstacle, where {:.2} m are kept (minimum_clearance_m){charges}",
             rules.minimum_clearance_m
         )),
     }

@@ -37,7 +37,9 @@ impl Planner for FieldPlanner {
         let repulsion = Repulsion { inflation_m, ..settings.repulsion };
         let minimum_clearance_m = settings.minimum_clearance_m.unwrap_or(hull_m + HULL_MARGIN_M);
         let rules = DescentRules { minimum_clearance_m, ..settings.descent };
-        let reach_m = repulsion.reach_m().max(minimum_clearance_m + BEYOND_CLEARANCE_M);
+        // A step from where nothing is within reach must not end nearer than the clearance.
+        let beyond_m = BEYOND_CLEARANCE_M.max(2.0 * rules.step.longest_m());
+        let reach_m = repulsion.reach_m().max(minimum_clearance_m + beyond_m);
         let obstacles = obstacles(request, settings.source, settings.grouping, reach_m)?;
         failure::check_clearance(&obstacles, request.goal.position, minimum_clearance_m)?;
         let search = Search { planner: self, request, obstacles: &obstacles, rules, repulsion };

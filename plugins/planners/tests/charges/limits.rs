@@ -193,3 +193,44 @@ fn walls_are_never_crossed_however_weak_they_are() {
     let on_line = scene.plain(&params, Point2::new(20.0, 16.0));
     assert_eq!((on_line.end, on_line.points.len()), (End::StartInObstacle, 1));
 }
+
+/// Item 3: where obstacles are seen too late to keep the clearance, the walk ends with a name, not on them.
+#[test]
+fn a_clearance_that_is_lost_has_a_name() {
+    // Looked for within 0.1 m only, where 0.3 m are kept.
+    let params = PotentialFieldParams { influence_distance_m: 0.1, ..PotentialFieldParams::default() };
+    let walk = Scene::warehouse().plain(&params, Point2::new(20.0, 12.0));
+    assert!(matches!(walk.end, End::ClearanceLost { clearance_m } if clearance_m < 0.1), "{:?}", walk.end);
+    assert!(walk.points.iter().all(|at| at.y < 16.0));
+}
+
+/// The planner itself looks as far as its steps are long: steps of 3 m among racks that push within 0.1 m.
+#[test]
+fn long_steps_do_not_lead_nearer_than_the_clearance() {
+    let obstacles = Obstacles::new(&groups(), 2.0).unwrap();
+    let params = FictitiousChargesParams {
+        step_m: 3.0,
+        largest_step_m: 3.0,
+        influence_distance_m: 0.1,
+        straighten: false,
+        ..on_lines()
+    };
+    let mut planner = params.build(&BuildContext::bare("planner")).unwrap();
+    let mut n_arrived = 0;
+    for run in runs() {
+        match planner.plan(&request(&map(), run.start, goal())) {
+            Ok(path) => {
+                n_arrived += 1;
+                for leg in path.points().windows(2) {
+                    let along = leg[1].position - leg[0].position;
+                    for k in 0..=400 {
+                        let at = leg[0].position + along * (f64::from(k) / 400.0);
+                        assert!(obstacles.clearance_m(at) >= 0.3 - 1e-9, "{}: {at}", run.start);
+                    }
+                }
+            }
+            Err(failure) => assert!(failure.to_string().contains("local minimum"), "{failure}"),
+        }
+    }
+    assert!(n_arrived > 0);
+}
