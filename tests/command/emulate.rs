@@ -117,6 +117,25 @@ fn an_emulator_ends_after_its_duration_and_tells_its_addresses_as_json() {
     assert_eq!(models, ["base", "lms200"]);
 }
 
+/// They talk by themselves: what a host hears begins with a sentence, or a record.
+#[test]
+fn a_receiver_and_a_board_are_emulated_alone_and_talk_by_themselves() {
+    use std::io::Read as _;
+    let office = "pipelines/worlds/dc_office.toml";
+    for (what, first) in [("gps", "$GPGGA,12"), ("imu", "Y: ")] {
+        let emulator = Emulator::start(&[what, office, "--start=-3.97,-4.0,90", "--tcp", "127.0.0.1:0"], 1);
+        let address = emulator.address(what).trim_start_matches("tcp://").to_owned();
+        let mut host = std::net::TcpStream::connect(address).unwrap();
+        let mut heard = String::new();
+        while !heard.contains(first) {
+            let mut piece = [0u8; 64];
+            let n_bytes = host.read(&mut piece).unwrap();
+            heard.push_str(std::str::from_utf8(&piece[..n_bytes]).unwrap());
+            assert!(n_bytes > 0 && heard.len() < 10_000, "{heard}");
+        }
+    }
+}
+
 /// In one process, and recorded: the recording gives every estimate again, to the bit.
 #[test]
 fn the_emulated_office_robot_arrives_in_real_time_and_its_recording_replays() {
