@@ -60,10 +60,11 @@ impl ClearWay {
         best.map(|(_, twist)| twist)
     }
 
-    /// What the wheels make of it, where that stops in time.
+    /// What the wheels make of it, where both stop in time: the first step of a motion that leads nowhere is short, too.
     fn reached(&self, wanted: Twist, wheels: &Wheels<'_>, near: &[NearPoint]) -> Option<Twist> {
         let reached = wheels.reach(wanted);
-        self.stops_in_time(reached, wheels.robot, near).then_some(reached)
+        let stop_in_time = |twist: Twist| self.stops_in_time(twist, wheels.robot, near);
+        (stop_in_time(reached) && stop_in_time(wanted)).then_some(reached)
     }
 
     /// A turn in place as wanted, or else the other way around.
