@@ -291,6 +291,23 @@ mod tests {
     }
 
     #[test]
+    fn one_waypoint_is_passed_a_step_and_only_nearer_than_the_switch_radius() {
+        let mission = Mission { switch_radius_m: 0.7, ..Mission::default() };
+        let (mut navigator, mut events) = (Navigator::new(&mission), Vec::new());
+        navigator.go(Time::ZERO, vec![goal(1.0), goal(1.2), goal(1.4), goal(1.5)], &mut events);
+        // Exactly at the radius (0.7 m from 1.0 has no rounding here) is not below it.
+        navigator.watch(Time(1), Point2::new(1.0, 0.7), &mut events);
+        assert_eq!(navigator.goals.len(), 4);
+        for (time, left) in [(2, 3), (3, 2), (4, 1), (5, 1), (6, 1)] {
+            navigator.watch(Time(time), Point2::new(1.3, 0.0), &mut events);
+            assert_eq!(navigator.goals.len(), left, "all are near, and one goes each time but the last");
+        }
+        let passed = events.iter().filter(|event| matches!(event.kind, EventKind::Arrived(_)));
+        assert_eq!(passed.map(|event| event.stamp.0).collect::<Vec<_>>(), [2, 3, 4]);
+        assert!(navigator.outcome.is_none() && navigator.needs_plan);
+    }
+
+    #[test]
     fn five_plans_on_one_spot_are_enough() {
         let (mut navigator, mut events) = (Navigator::new(&Mission::default()), Vec::new());
         navigator.go(Time::ZERO, vec![goal(9.0)], &mut events);

@@ -2,6 +2,7 @@
 
 use crate::*;
 use rumbo_core::engine::{Intervention, Order, State};
+use rumbo_core::frames::Point2;
 use rumbo_core::messages::Goal;
 use rumbo_core::pipeline::InitialPose;
 use rumbo_core::time::Time;
@@ -159,6 +160,36 @@ fn without_planner_the_path_is_the_list_of_waypoints() {
     let (end, _, events) = run(&bare);
     assert_eq!(end.reason, EndReason::Arrived);
     assert_eq!(events.count(|e| matches!(e, EventKind::Arrived(_))), 2);
+}
+
+/// Where the robot was when each waypoint was passed.
+#[derive(Default)]
+struct Passed(Vec<(u64, Point2)>);
+impl Observer for Passed {
+    fn on_step(&mut self, view: &StepView<'_>) {
+        let at = view.truth.unwrap().map_from_base.translation.vector.xy().into();
+        let passed = view.events.iter().filter(|event| matches!(event.kind, EventKind::Arrived(_)));
+        self.0.extend(passed.map(|_| (view.step, at)));
+    }
+}
+
+#[test]
+fn waypoints_within_the_switch_radius_go_one_a_step_and_the_last_at_the_arrival_radius() {
+    let x_m = [2.0, 2.1, 2.2, 4.0];
+    let close = with("close waypoints", |p| {
+        p.mission.waypoints = x_m.map(|x_m| Waypoint { x_m, y_m: 0.0, yaw_deg: None }).to_vec();
+        (p.mission.switch_radius_m, p.mission.arrival_radius_m) = (0.7, 0.3);
+    });
+    let (mut engine, mut passed) = (Engine::build(&close).unwrap(), Passed::default());
+    let end = engine.run(&mut [&mut passed], &AtomicBool::new(false));
+    assert_eq!((end.reason, passed.0.len()), (EndReason::Arrived, 4));
+    let steps: Vec<u64> = passed.0.iter().map(|(step, _)| *step).collect();
+    assert!(steps.windows(2).all(|pair| pair[0] < pair[1]), "one a step: {steps:?}");
+    // A control tick at 0.4 m/s is 4 cm.
+    for ((_, at), (x_m, radius_m)) in passed.0.iter().zip(x_m.into_iter().zip([0.7, 0.7, 0.7, 0.3])) {
+        let off_m = x_m - at.x;
+        assert!(off_m < radius_m && off_m > radius_m - 0.05, "{off_m} m before {x_m} m");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ pub mod clear_way;
 pub mod effort;
 pub mod explained;
 pub mod faults;
+pub mod listening;
 pub mod lookout;
 pub mod memory_params;
 pub mod near_points;

@@ -3,6 +3,7 @@
 use super::PurePursuitParams;
 use super::pursuit::{Motion, Pursuit};
 use super::way_ahead::{Free, WayAhead};
+use crate::listening::Listening;
 use crate::progress::Progress;
 use crate::sightings::Sightings;
 use rumbo_core::frames::{Pose2, Twist, flatten, is_finite2};
@@ -32,7 +33,7 @@ pub struct PurePursuit {
     is_blocked: bool,
     /// Standing in front of something since then.
     standing_since: Option<Time>,
-    listening_since: Option<Time>,
+    listening: Listening,
 }
 
 /// How near things slow the robot.
@@ -79,7 +80,7 @@ impl PurePursuit {
             following: None,
             is_blocked: false,
             standing_since: None,
-            listening_since: None,
+            listening: Listening::new(Span::from_secs(params.stale_after_s)),
         }
     }
 
@@ -105,22 +106,6 @@ impl PurePursuit {
         !self.is_blocked
     }
 
-    /// Every range sensor that ever gave a reading still does; false while the first is waited for.
-    fn has_fresh_readings(&mut self, now: Time) -> Result<bool, AvoidError> {
-        let stale_after = Span::from_secs(self.params.stale_after_s);
-        let oldest = self.sightings.iter().map(|sighting| sighting.stamp).min();
-        if oldest.is_some_and(|stamp| now - stamp <= stale_after) {
-            self.listening_since = None;
-            return Ok(true);
-        }
-        let since = *self.listening_since.get_or_insert(now);
-        if now - since <= stale_after {
-            return Ok(false);
-        }
-        let age_s = (now - oldest.unwrap_or(since)).as_secs();
-        Err(AvoidError::NoReading { kind: "laser scan or range ring", age_s })
-    }
-
     fn stand(&mut self) -> Steering {
         self.progress.rest();
         Steering::Drive(Twist::ZERO)
@@ -140,7 +125,7 @@ impl PurePursuit {
         input: &AvoidInput<'_>,
         odom_from_base: &Pose2,
     ) -> Result<Steering, AvoidError> {
-        if !self.has_fresh_readings(now)? {
+        if !self.listening.has_fresh_readings(now, &self.sightings)? {
             return Ok(self.stand());
         }
         let Free { along_m, beside_m } = self.way.free(wanted);
@@ -179,6 +164,7 @@ impl Avoider for PurePursuit {
             return Err(MessageFault { message, field, found, expected }.into());
         }
         input.twist.check()?;
+        self.listening.note(cx.now);
         let odom_from_base = flatten(&input.estimate.map_from_odom).inverse() * input.map_from_base;
         self.look(cx.now, input, &odom_from_base);
         if !self.follows_a_path(input) {

@@ -11,7 +11,6 @@ pub mod cones;
 pub mod evidence;
 pub mod front_watch;
 pub mod lane;
-pub mod listening;
 pub mod meeting;
 mod params;
 pub mod people;
