@@ -159,7 +159,10 @@ fn command_line(args: &Args, served: &[Served]) -> String {
 
 impl Args {
     fn check_what(&self) -> Result<(), Failure> {
-        let known: Vec<&str> = [ROBOT, BASE].into_iter().chain(models().map(|model| model.name)).collect();
+        let mut devices: Vec<&str> = models().map(|model| model.name).collect();
+        // They come in the linker's order.
+        devices.sort_unstable();
+        let known = [&[ROBOT, BASE], devices.as_slice()].concat();
         if known.contains(&self.what.as_str()) {
             return Ok(());
         }

@@ -6,7 +6,8 @@ use super::turn::Turn;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Pose2, Pose3, Twist, pose2};
 use rumbo_core::messages::{
-    Data, LaserScan, Mark, Marks, Observation, ObservationKind, Odometry, PositionFix, RangeRing, SensorId,
+    Data, Imu, LaserScan, Mark, Marks, Observation, ObservationKind, Odometry, PositionFix, RangeRing,
+    SensorId,
 };
 use rumbo_core::time::Time;
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -20,12 +21,13 @@ pub const N_FRAMES: usize = 150;
 /// Reach of the laser, meters.
 pub const MAX_RANGE_M: f64 = 15.0;
 /// What a drive has.
-pub const KINDS: [ObservationKind; 5] = [
+pub const KINDS: [ObservationKind; 6] = [
     ObservationKind::Odometry,
     ObservationKind::LaserScan,
     ObservationKind::RangeRing,
     ObservationKind::PositionFix,
     ObservationKind::Marks,
+    ObservationKind::Imu,
 ];
 
 /// One moment.
@@ -63,9 +65,11 @@ impl Drive {
             frame.odom_from_base = turn.own_pose(&odom_from_base);
             for observation in &mut frame.seen {
                 *observation = turn.observation(observation);
-                if let Data::PositionFix(fix) = &mut observation.data {
-                    let Pose2 { translation, .. } = frame.map_from_base;
-                    fix.position_m = [translation.x, translation.y, 0.0];
+                let Pose2 { translation, rotation } = frame.map_from_base;
+                match &mut observation.data {
+                    Data::PositionFix(fix) => fix.position_m = [translation.x, translation.y, 0.0],
+                    Data::Imu(imu) => imu.attitude_rad = Some([0.0, 0.0, rotation.angle()]),
+                    _ => {}
                 }
             }
             frame
@@ -87,7 +91,7 @@ pub fn frame_at(
     odom_from_base: Pose2,
     twist: Twist,
 ) -> Frame {
-    let Pose2 { translation, .. } = map_from_base;
+    let Pose2 { translation, rotation } = map_from_base;
     let seen = [
         Data::Odometry(Odometry { odom_from_base, twist, noise: [0.01, 0.005, 0.01] }),
         Data::LaserScan(scan(world, &map_from_base)),
@@ -97,6 +101,11 @@ pub fn frame_at(
             deviation_m: [0.02; 3],
         }),
         Data::Marks(marks(world, &map_from_base)),
+        Data::Imu(Imu {
+            attitude_rad: Some([0.0, 0.0, rotation.angle()]),
+            rates_rad_s: [0.0, 0.0, twist.turn_rad_s],
+            accelerations_m_s2: [0.0, twist.forward_m_s * twist.turn_rad_s, 9.81],
+        }),
     ];
     let seen = (0..).zip(seen).map(|(sensor, data)| observation(sensor, now, data)).collect();
     Frame { now, map_from_base, odom_from_base, seen }

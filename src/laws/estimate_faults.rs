@@ -9,7 +9,7 @@ use nalgebra::Matrix3;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Pose2, Twist, pose2};
 use rumbo_core::map::Map;
-use rumbo_core::messages::{Data, LaserScan, Mark, Marks, Observation, Odometry, Prior};
+use rumbo_core::messages::{Data, Imu, LaserScan, Mark, Marks, Observation, Odometry, PositionFix, Prior};
 
 pub const NOTHING_NEW: Law = Law::new("it survives an update with nothing new", nothing_new);
 pub const NOT_STARTED: Law =
@@ -105,8 +105,20 @@ fn odd() -> Vec<(&'static str, Data)> {
         let marks = vec![Mark { identity: Some(1), range_m, bearing_rad }];
         Data::Marks(Marks { marks, range_deviation_m: 0.05, bearing_deviation_rad: 0.02 })
     };
+    let fix = |at_m: f64, deviation_m: f64| {
+        Data::PositionFix(PositionFix { position_m: [at_m; 3], deviation_m: [deviation_m; 3] })
+    };
+    let imu = |yaw_rad: f64| Data::Imu(Imu { attitude_rad: Some([0.0, 0.0, yaw_rad]), ..Imu::default() });
     let unknown = Mark { identity: Some(u32::MAX), range_m: 1.0, bearing_rad: 0.0 };
     vec![
+        ("a fix at NaN", fix(f64::NAN, 1.0)),
+        ("a fix at 1e300 m", fix(1e300, 1.0)),
+        ("a fix without deviation", fix(1.0, 0.0)),
+        ("a fix with a deviation of -1 m", fix(1.0, -1.0)),
+        ("a fix with a deviation of 1e300 m", fix(1.0, 1e300)),
+        ("an attitude of NaN", imu(f64::NAN)),
+        ("an attitude of 1e300", imu(1e300)),
+        ("no attitude", Data::Imu(Imu::default())),
         ("no marks", Data::Marks(Marks::default())),
         (
             "a mark of nowhere, without deviation",
@@ -146,7 +158,9 @@ fn odd_readings(subject: &Subject) -> Verdict {
             let seen = if is_odd {
                 let sensor = match data {
                     Data::Odometry(_) => 0,
+                    Data::PositionFix(_) => 3,
                     Data::Marks(_) => 4,
+                    Data::Imu(_) => 5,
                     _ => 1,
                 };
                 spoiled = vec![observation(sensor, frame.now, data.clone())];

@@ -114,6 +114,12 @@ impl Turn {
                 *first_bearing_rad = -(*first_bearing_rad + *bearing_step_rad * last);
                 ranges_m.make_mut().reverse();
             }
+            Data::Imu(imu) => {
+                // Turning about an axis in the mirror's plane is turning the other way.
+                imu.attitude_rad = imu.attitude_rad.map(|[roll, pitch, yaw]| [-roll, pitch, -yaw]);
+                let ([x, y, z], [ahead, left, up]) = (imu.rates_rad_s, imu.accelerations_m_s2);
+                (imu.rates_rad_s, imu.accelerations_m_s2) = ([-x, y, -z], [ahead, -left, up]);
+            }
             Data::Marks(seen) => seen.marks.iter_mut().for_each(|mark| mark.bearing_rad *= -1.0),
             _ => {}
         }

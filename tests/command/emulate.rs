@@ -11,7 +11,7 @@ fn what_cannot_be_emulated_is_told_with_what_can() {
     let tableless =
         "--set=world={ plugin = \"robot\", port = \"/dev/ttyUSB9\", map = \"worlds/office-20m.yaml\" }";
     for (args, expected) in [
-        (vec!["toaster", ROBOT], "expected one of robot, base, lms200"),
+        (vec!["toaster", ROBOT], "expected one of robot, base, gps, imu, lms200"),
         (vec!["robot", "no_such_file.toml"], "there is no such file"),
         (vec!["robot", "pipelines/mapping_log.toml"], "nothing emulates the world `log`"),
         (vec!["robot", ROBOT, tableless], "has no table `emulate`"),
@@ -115,6 +115,25 @@ fn an_emulator_ends_after_its_duration_and_tells_its_addresses_as_json() {
         .map(|one| one["model"].as_str().unwrap().to_owned())
         .collect();
     assert_eq!(models, ["base", "lms200"]);
+}
+
+/// They talk by themselves: what a host hears begins with a sentence, or a record.
+#[test]
+fn a_receiver_and_a_board_are_emulated_alone_and_talk_by_themselves() {
+    use std::io::Read as _;
+    let office = "pipelines/worlds/dc_office.toml";
+    for (what, first) in [("gps", "$GPGGA,12"), ("imu", "Y: ")] {
+        let emulator = Emulator::start(&[what, office, "--start=-3.97,-4.0,90", "--tcp", "127.0.0.1:0"], 1);
+        let address = emulator.address(what).trim_start_matches("tcp://").to_owned();
+        let mut host = std::net::TcpStream::connect(address).unwrap();
+        let mut heard = String::new();
+        while !heard.contains(first) {
+            let mut piece = [0u8; 64];
+            let n_bytes = host.read(&mut piece).unwrap();
+            heard.push_str(std::str::from_utf8(&piece[..n_bytes]).unwrap());
+            assert!(n_bytes > 0 && heard.len() < 10_000, "{heard}");
+        }
+    }
 }
 
 /// In one process, and recorded: the recording gives every estimate again, to the bit.

@@ -6,6 +6,8 @@ use rumbo_core::messages::PositionFix;
 
 /// No receiver is better than this, whatever it claims, meters.
 const LEAST_DEVIATION_M: f64 = 0.005;
+/// Half around the earth: beyond this a claim means nothing more, and its square must stay a number, meters.
+const MOST_DEVIATION_M: f64 = 2e7;
 
 /// A position of the antenna in the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,7 +35,7 @@ impl SeenFix {
         let [x_deviation_m, y_deviation_m, _] = fix.deviation_m;
         let variance_m2 = |claimed_m: f64| {
             let deviation_m = error_m.map_or(claimed_m, |error_m| error_m / 3f64.sqrt());
-            deviation_m.max(LEAST_DEVIATION_M).powi(2)
+            deviation_m.clamp(LEAST_DEVIATION_M, MOST_DEVIATION_M).powi(2)
         };
         let lever_then_m = base_from_sensor.translation.vector.xy();
         SeenFix {

