@@ -123,3 +123,6 @@ fn notes(header: &RunHeader, ready: &Ready, follow: Follow) -> Vec<String> {
     }
     notes
 }
+
+#[cfg(test)]
+mod tests;

@@ -61,6 +61,7 @@ fn a_replay_says_the_same_bytes() {
         ("blocked", &["pipelines/office_blocked.toml"]),
         ("unreachable", &["pipelines/office_unreachable.toml"]),
         ("timed", &[OFFICE, "--duration", "7.5"]),
+        ("followed", &["pipelines/follow_person.toml"]),
     ] {
         let file = recorded(&folder, name, args);
         let given = replay(&[&file]);

@@ -15,7 +15,7 @@ fn figures(threads: Option<&str>, pipeline: &str) -> String {
 
 #[test]
 fn the_same_pipeline_gives_the_same_bytes_twice_and_with_any_number_of_threads() {
-    for pipeline in [OFFICE, "pipelines/office_blocked.toml"] {
+    for pipeline in [OFFICE, "pipelines/office_blocked.toml", "pipelines/follow_person.toml"] {
         let first = figures(None, pipeline);
         for threads in [None, Some("1"), Some("2")] {
             assert_eq!(figures(threads, pipeline), first, "{pipeline} with {threads:?}");

@@ -26,6 +26,8 @@ impl ClearWay {
     const TURNS: [f64; 3] = [1.0, 0.5, 0.0];
     /// A curve that costs more of the speed than this is not the first choice.
     const GOOD_SPEED: f64 = 0.3;
+    /// Slower than this is standing, m/s: a turn in place leads out sooner than a crawl.
+    const CRAWL_M_S: f64 = 0.03;
 
     /// A hull with room around it.
     pub fn new(hull: Hull, clearance_m: f64) -> ClearWay {
@@ -42,7 +44,8 @@ impl ClearWay {
         }
         let mut best: Option<(f64, Twist)> = None;
         for turn in Self::TURNS {
-            let first = Self::SPEEDS.iter().find_map(|speed| {
+            let is_crawl = |speed: f64| speed < 1.0 && wanted.forward_m_s.abs() * speed < Self::CRAWL_M_S;
+            let first = Self::SPEEDS.iter().filter(|speed| !is_crawl(**speed)).find_map(|speed| {
                 let twist = Twist::new(wanted.forward_m_s * speed, wanted.turn_rad_s * turn);
                 self.reached(twist, wheels, near).map(|twist| (*speed, twist))
             });
@@ -57,10 +60,11 @@ impl ClearWay {
         best.map(|(_, twist)| twist)
     }
 
-    /// What the wheels make of it, where that stops in time.
+    /// What the wheels make of it, where both stop in time: the first step of a motion that leads nowhere is short, too.
     fn reached(&self, wanted: Twist, wheels: &Wheels<'_>, near: &[NearPoint]) -> Option<Twist> {
         let reached = wheels.reach(wanted);
-        self.stops_in_time(reached, wheels.robot, near).then_some(reached)
+        let stop_in_time = |twist: Twist| self.stops_in_time(twist, wheels.robot, near);
+        (stop_in_time(reached) && stop_in_time(wanted)).then_some(reached)
     }
 
     /// A turn in place as wanted, or else the other way around.

@@ -95,7 +95,7 @@ impl NearPoints {
         }
         let base_from_odom = odom_from_base.inverse();
         let is_sound = kind == ObservationKind::RangeRing;
-        self.memory.look(&viewed, &base_from_odom, is_sound);
+        self.memory.look(stamp, &viewed, &base_from_odom, is_sound);
         for point in source.odom_points.drain(..) {
             self.memory.leave(point, source.stamp, &viewed, &base_from_odom, is_sound);
         }
@@ -116,9 +116,10 @@ impl NearPoints {
             let stamp = source.stamp;
             self.points.extend(seen.map(|in_base| NearPoint { in_base, stamp, is_remembered: false }));
         }
-        self.n_seen = self.points.len();
         self.memory.age(now, &base_from_odom);
-        self.points.extend(self.memory.points(&base_from_odom));
+        self.points.extend(self.memory.points(&base_from_odom, true));
+        self.n_seen = self.points.len();
+        self.points.extend(self.memory.points(&base_from_odom, false));
     }
 
     /// Everything near, in the base frame of the last [`settle`](Self::settle): what sensors see, and what is remembered

@@ -28,6 +28,17 @@ enum Reading<'a> {
     Cloud(&'a [Option<Point2>]),
 }
 
+/// What a reading says of a point that was seen before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Word {
+    /// It is seen again, or seen through.
+    Told,
+    /// The sensor looks elsewhere, or something stands before it.
+    Hidden,
+    /// The sensor looks there and has no reading: a depth camera reads nothing that is very near.
+    Unread,
+}
+
 /// What a sensor says of a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Glance {
@@ -119,12 +130,13 @@ impl Viewed<'_> {
         }
     }
 
-    /// The sensor cannot say that this point of the base frame is gone, or where it is now.
-    pub fn leaves_open(&self, in_base: Point2) -> bool {
+    /// What the reading says of a point of the base frame that was seen before.
+    pub fn says_of(&self, in_base: Point2) -> Word {
         match self.glance(in_base) {
-            Glance::Outside | Glance::NoReading => true,
-            // Hidden behind something else.
-            Glance::At(first_m) => first_m < (in_base - self.center).norm() - Self::SAME_M,
+            Glance::Outside => Word::Hidden,
+            Glance::NoReading => Word::Unread,
+            Glance::At(first_m) if first_m < (in_base - self.center).norm() - Self::SAME_M => Word::Hidden,
+            Glance::At(_) => Word::Told,
         }
     }
 

@@ -1,6 +1,6 @@
 //! The wandering robot in the arena.
 
-use crate::camera::Gives;
+use crate::camera::{Faults, Gives};
 use crate::place::Place;
 use crate::robot::{Belief, Result, Run, heavy_pioneer, pioneer};
 use rumbo_avoiders::braitenberg::vehicle::StopTurn;
@@ -26,7 +26,7 @@ fn wander(robot: &Robot, params: &BraitenbergParams, gives: Gives) -> Vec<Result
             place: &place,
             robot: robot.clone(),
             gives,
-            lost: 0.0,
+            faults: Faults::default(),
             belief: Belief::True,
             seed: 1,
             waypoints: Vec::new(),

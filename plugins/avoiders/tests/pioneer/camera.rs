@@ -17,6 +17,15 @@ pub enum Gives {
     Cloud,
 }
 
+/// What the camera does not see.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Faults {
+    /// Share of the pixels without a reading.
+    pub lost: f64,
+    /// Nothing nearer is read, meters.
+    pub least_m: f64,
+}
+
 const N_COLUMNS: usize = 64;
 const HALF_VIEW_RAD: f64 = 28.5 * std::f64::consts::PI / 180.0;
 const NEAR_PLANE_M: f64 = 0.2;
@@ -27,13 +36,13 @@ fn bearing_rad(column: usize) -> f64 {
     ((column as f64 + 0.5) / (N_COLUMNS as f64 / 2.0) - 1.0) * HALF_VIEW_RAD
 }
 
-/// What the camera sees; so large a share of its pixels has no reading.
+/// What the camera sees.
 pub fn look(
     place: &Place,
     map_from_base: &Pose2,
     stamp: Time,
     gives: Gives,
-    lost: f64,
+    faults: Faults,
     rng: &mut Rng,
 ) -> Observation {
     let ranges: Vec<f32> = (0..N_COLUMNS)
@@ -42,7 +51,7 @@ pub fn look(
             let yaw_rad = map_from_base.rotation.angle();
             let range_m = place.range_m(map_from_base.translation.vector.into(), yaw_rad + bearing_rad);
             let depth_m = (range_m * bearing_rad.cos()).max(NEAR_PLANE_M);
-            if lost > 0.0 && rng.random::<f64>() < lost {
+            if (faults.lost > 0.0 && rng.random::<f64>() < faults.lost) || depth_m < faults.least_m {
                 f32::NAN
             } else if depth_m > REACH_M {
                 f32::INFINITY

@@ -1,6 +1,6 @@
 //! The tour of the office.
 
-use crate::camera::Gives;
+use crate::camera::{Faults, Gives};
 use crate::place::Place;
 use crate::robot::{ARRIVAL_RADIUS_M, Belief, Result, Run, STEP_S, heavy_pioneer, pioneer};
 use rumbo_avoiders::potential_field::field::NearField;
@@ -21,14 +21,21 @@ struct Tour {
     params: PotentialFieldParams,
     belief: Belief,
     gives: Gives,
-    lost: f64,
+    faults: Faults,
     limit_s: f64,
 }
 
 impl Tour {
     fn new(robot: Robot) -> Tour {
         let params = PotentialFieldParams::default();
-        Tour { robot, params, belief: Belief::True, gives: Gives::Scan, lost: 0.0, limit_s: 120.0 }
+        Tour {
+            robot,
+            params,
+            belief: Belief::True,
+            gives: Gives::Scan,
+            faults: Faults::default(),
+            limit_s: 120.0,
+        }
     }
 
     fn drive(&self, seed: u64) -> Result {
@@ -37,7 +44,7 @@ impl Tour {
             place: &place,
             robot: self.robot.clone(),
             gives: self.gives,
-            lost: self.lost,
+            faults: self.faults,
             belief: self.belief,
             seed,
             waypoints: TOUR.map(Point2::from).to_vec(),
@@ -117,7 +124,7 @@ fn toward_a_single_goal_the_speed_is_as_published() {
         place: &place,
         robot: pioneer(),
         gives: Gives::Scan,
-        lost: 0.0,
+        faults: Faults::default(),
         belief: Belief::True,
         seed: 1,
         waypoints: vec![Point2::new(5.0, 0.0)],
@@ -142,11 +149,23 @@ fn toward_a_single_goal_the_speed_is_as_published() {
 fn a_camera_that_loses_a_third_of_its_pixels_leads_into_nothing() {
     for gives in [Gives::Scan, Gives::Cloud] {
         for robot in [pioneer(), heavy_pioneer()] {
-            let tour = Tour { gives, lost: 0.3, ..Tour::new(robot) };
+            let tour = Tour { gives, faults: Faults { lost: 0.3, ..Faults::default() }, ..Tour::new(robot) };
             for seed in 1..=5 {
                 let result = tour.drive(seed);
                 assert!(result.is_complete && result.least_m >= 0.267);
             }
+        }
+    }
+}
+
+/// Section 16: a real camera reads nothing nearer than half a meter, exactly where the robot must turn.
+#[test]
+fn a_camera_that_reads_nothing_near_leads_into_nothing() {
+    for gives in [Gives::Scan, Gives::Cloud] {
+        for robot in [pioneer(), heavy_pioneer()] {
+            let result =
+                Tour { gives, faults: Faults { least_m: 0.5, lost: 0.0 }, ..Tour::new(robot) }.drive(1);
+            assert!(result.least_m >= 0.267 && result.is_complete);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The robot on its way: what it believes, what it sees, and what its wheels make of it.
 
-use crate::camera::{Gives, look};
+use crate::camera::{Faults, Gives, look};
 use crate::place::Place;
 use rand::RngExt;
 use rumbo_core::frames::{Point2, Pose2, Twist, pose2};
@@ -58,8 +58,8 @@ pub struct Run<'a> {
     pub robot: Robot,
     /// What the camera gives.
     pub gives: Gives,
-    /// Share of pixels without a reading.
-    pub lost: f64,
+    /// What the camera does not see.
+    pub faults: Faults,
     /// Where it believes that it is.
     pub belief: Belief,
     /// Seed of everything that is drawn.
@@ -195,7 +195,7 @@ impl Run<'_> {
                 goal += 1;
                 path = self.path(goal, believed);
             }
-            let seen = [look(self.place, &pose, now, self.gives, self.lost, &mut rng)];
+            let seen = [look(self.place, &pose, now, self.gives, self.faults, &mut rng)];
             let estimate = Estimate::planar(now, map_from_base, pose, nalgebra::Matrix3::zeros());
             let input = AvoidInput {
                 map_from_base,
