@@ -268,6 +268,20 @@ fn rumbo(arguments: &[&str]) -> String {
 }
 
 #[test]
+fn a_robot_drives_by_what_it_sees_in_the_simulator() {
+    let pipeline = "examples/kinect_live/office_kinect.toml";
+    let folder = library().parent().unwrap().to_str().unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rumbo"));
+        command.current_dir(compiler::root()).env("RUMBO_PLUGIN_PATH", folder).args(arguments);
+        let out = command.output().unwrap();
+        assert!(out.status.success(), "{arguments:?}\n{}", String::from_utf8_lossy(&out.stderr));
+    };
+    run(&["check", pipeline]);
+    run(&["test", pipeline]);
+}
+
+#[test]
 fn it_keeps_the_laws_of_sensors_and_describes_itself() {
     let library = library().to_str().unwrap();
     rumbo(&["plugins", "verify", library]);
