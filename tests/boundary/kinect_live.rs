@@ -108,7 +108,7 @@ fn poll(sensor: &mut dyn Sensor) -> Result<(Vec<Observation>, f64), SensorError>
     let (trace, mut out) = (Trace::watched(), Observations::default());
     let mut cx = Cx { now: Time::from_secs(NOW_S), trace: &trace };
     sensor.poll(&mut cx, &mut Live, &mut out)?;
-    let dropped = trace.take().1.iter().find(|(name, _)| name == "dropped_pictures").map_or(0.0, |(_, n)| *n);
+    let dropped = trace.take().1.iter().find(|(name, _)| *name == "dropped_pictures").map_or(0.0, |(_, n)| *n);
     Ok((std::iter::from_fn(|| out.pop_front()).collect(), dropped))
 }
 
