@@ -108,7 +108,7 @@ fn poll(sensor: &mut dyn Sensor) -> Result<(Vec<Observation>, f64), SensorError>
     let (trace, mut out) = (Trace::watched(), Observations::default());
     let mut cx = Cx { now: Time::from_secs(NOW_S), trace: &trace };
     sensor.poll(&mut cx, &mut Live, &mut out)?;
-    let dropped = trace.take().1.iter().find(|(name, _)| name == "dropped_pictures").map_or(0.0, |(_, n)| *n);
+    let dropped = trace.take().1.iter().find(|(name, _)| *name == "dropped_pictures").map_or(0.0, |(_, n)| *n);
     Ok((std::iter::from_fn(|| out.pop_front()).collect(), dropped))
 }
 
@@ -265,6 +265,20 @@ fn rumbo(arguments: &[&str]) -> String {
     let out = Command::new(env!("CARGO_BIN_EXE_rumbo")).current_dir(compiler::root()).args(arguments).output().unwrap();
     assert!(out.status.success(), "{arguments:?}\n{}", String::from_utf8_lossy(&out.stderr));
     String::from_utf8(out.stdout).unwrap()
+}
+
+#[test]
+fn a_robot_drives_by_what_it_sees_in_the_simulator() {
+    let pipeline = "examples/kinect_live/office_kinect.toml";
+    let folder = library().parent().unwrap().to_str().unwrap();
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rumbo"));
+        command.current_dir(compiler::root()).env("RUMBO_PLUGIN_PATH", folder).args(arguments);
+        let out = command.output().unwrap();
+        assert!(out.status.success(), "{arguments:?}\n{}", String::from_utf8_lossy(&out.stderr));
+    };
+    run(&["check", pipeline]);
+    run(&["test", pipeline]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Writes `pipelines/logs/laboratory_frames`: depth pictures of a robot that drives around the table of the laboratory, with poses.
+//! Writes `pipelines/logs/laboratory_frames`: depth pictures of a robot in the laboratory, with poses.
 //!
 //! `cargo run --release -p rumbo-worlds --example record_frames [FOLDER]`
 #![allow(missing_docs, clippy::print_stdout)]

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use rumbo_core::frames::{Pose3, Twist};
+use rumbo_core::frames::Twist;
 use rumbo_core::messages::{Command, Intrinsics};
 use rumbo_core::registry::Plugin;
 use rumbo_core::stages::{Answer, BuildContext, Probe, World};
@@ -75,7 +75,11 @@ impl Recorder {
         let counts = depths_m.iter().map(|depth_m| self.count(*depth_m)).collect();
         let Intrinsics { width, height, .. } = self.intrinsics;
         writer.picture(stamp, &DepthPicture { width, height, counts })?;
-        let map_from_base = world.truth().map_or_else(Pose3::identity, |truth| truth.map_from_base);
+        let truth = world.truth().ok_or("the world does not know where the robot is")?;
+        if truth.contact_episodes.is_some_and(|n| n > 0) {
+            return Err(format!("the robot ran into something before {:.1} s", world.now().as_secs()).into());
+        }
+        let map_from_base = truth.map_from_base;
         writer.pose(stamp, &(map_from_base * base_from_camera * camera_from_optical()))?;
         let Answer::Attitude(attitude) = world.probe(&Probe::Attitude)? else {
             return Err("no attitude".into());

@@ -10,17 +10,17 @@ use rumbo_worlds::sim::Start;
 
 use super::recorder::Recorder;
 
-/// Once around the table of the laboratory, with a small picture of a Kinect's view (57 degrees), in whole millimeters.
+/// A look all around in the laboratory, a way along its cabinets, and another look around, with a small picture of a Kinect's
+/// view (57 degrees), in whole millimeters.
 pub fn recorder(pipelines: &Path) -> Recorder {
-    const RADIUS_M: f64 = 1.75;
-    const SPEED_M_S: f64 = 0.35;
-    let around = Twist::new(SPEED_M_S, SPEED_M_S / RADIUS_M);
-    let half_turn_s = std::f64::consts::PI * RADIUS_M / SPEED_M_S;
+    const TURN_RAD_S: f64 = 0.5;
+    let around = (Twist::new(0.0, TURN_RAD_S), std::f64::consts::TAU / TURN_RAD_S);
+    let along = (Twist::new(0.35, 0.0), 7.5);
     let focal_px = 80.0 / 28.5_f64.to_radians().tan();
     Recorder {
         world: pipelines.join("worlds/laboratory.toml"),
-        start: Start { x_m: 5.75, y_m: 4.4, yaw_deg: 90.0 },
-        way: vec![(around, 2.0 * half_turn_s)],
+        start: Start { x_m: 6.6, y_m: 3.4, yaw_deg: 90.0 },
+        way: vec![around, along, around],
         mount: PlaceInSpace { x_m: 0.1, z_m: 0.4, ..PlaceInSpace::default() },
         intrinsics: Intrinsics {
             width: 160,
