@@ -18,7 +18,7 @@ fn params() -> KinectParams {
 fn sensor(params: &KinectParams, down_rad: f64) -> Box<dyn Sensor> {
     let turn = nalgebra::UnitQuaternion::from_euler_angles(0.0, down_rad, 0.0);
     let base_from_sensor = Pose3::from_parts([0.1, 0.0, 0.3].into(), turn);
-    let robot = Arc::new(Robot { max_speed_m_s: 1.0, height_m: 0.5, ..Robot::default() });
+    let robot = Arc::new(Robot { height_m: 0.5, ..Robot::default() });
     params.build(&BuildContext { base_from_sensor, robot, ..BuildContext::bare("sensor") }).unwrap()
 }
 
@@ -141,8 +141,8 @@ fn a_third_of_the_pixels_may_be_missing() {
 
 #[test]
 fn what_comes_too_near_to_be_seen_stays_an_obstacle_unless_that_is_switched_off() {
-    for near_is_occupied in [true, false] {
-        let mut camera = sensor(&KinectParams { near_is_occupied, ..params() }, 0.0);
+    for (near_is_occupied, near_closing_m_s) in [(true, 1.0), (true, 0.0), (false, 0.0)] {
+        let mut camera = sensor(&KinectParams { near_is_occupied, near_closing_m_s, ..params() }, 0.0);
         let approach = [0.8, 0.7, 0.6, 0.52, 0.4, 0.3];
         for (k, wall_m) in approach.into_iter().enumerate() {
             let seen = poll(&mut *camera, &mut TestWorld::with_wall(wall_m), k as f64 * 0.1);
@@ -150,10 +150,12 @@ fn what_comes_too_near_to_be_seen_stays_an_obstacle_unless_that_is_switched_off(
                 scan_of(&seen[0]).hits().map(|(_, range_m)| range_m).fold(f64::INFINITY, f64::min);
             if wall_m >= 0.5 {
                 assert!((nearest_m - wall_m).abs() < 0.01, "{wall_m}: {nearest_m}");
-            } else if near_is_occupied {
+            } else if !near_is_occupied {
+                assert_eq!(nearest_m, f64::INFINITY);
+            } else if near_closing_m_s > 0.0 {
                 assert!(nearest_m <= wall_m + 0.03 && nearest_m >= 0.2, "{wall_m}: {nearest_m}");
             } else {
-                assert_eq!(nearest_m, f64::INFINITY);
+                assert!((nearest_m - 0.52).abs() < 0.01, "where it was last: {nearest_m}");
             }
         }
     }
