@@ -1,5 +1,6 @@
 //! The same world seen from another side: turned by a quarter, or in the mirror.
 
+use super::depth_picture::mirrored;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Pose2, Twist, pose2, wrap_angle};
 use rumbo_core::map::{Cell, Grid, GridFault, GridHeader};
@@ -120,6 +121,7 @@ impl Turn {
                 let ([x, y, z], [ahead, left, up]) = (imu.rates_rad_s, imu.accelerations_m_s2);
                 (imu.rates_rad_s, imu.accelerations_m_s2) = ([-x, y, -z], [ahead, -left, up]);
             }
+            Data::DepthImage(image) => mirrored(image),
             Data::Marks(seen) => seen.marks.iter_mut().for_each(|mark| mark.bearing_rad *= -1.0),
             _ => {}
         }

@@ -8,6 +8,7 @@ mod build;
 mod build_faults;
 mod check;
 mod closest;
+mod cloud_cells;
 mod events;
 mod following;
 mod guard;
