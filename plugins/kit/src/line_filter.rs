@@ -18,6 +18,10 @@ mod growth;
 mod joint;
 mod merging;
 mod motion;
+mod noise_params;
+mod odometer_errors;
+mod odometer_noise;
+mod odometer_params;
 mod params;
 mod running;
 mod saved;
@@ -36,13 +40,17 @@ mod wheels;
 mod tests;
 
 pub use association::{Gates, Match};
-pub use clock::{Clock, Instant, Source};
+pub use clock::{Clock, Instant, Source, Steps};
 pub use consistency::{Consistency, NisBand};
 pub use covariance::Covariance;
 pub use filter::{LineFilter, MapUse, Reading, ScanReport, WallMap};
 pub use growth::Growth;
 pub use motion::{Integration, MotionModel};
-pub use params::{ExtractionParams, KeyFault, PeriodParams, SensorNoiseParams, SharedParams};
+pub use odometer_errors::{OdometerError, OdometerModel, reading, truth};
+pub use noise_params::{OdometerNoiseParams, SensorNoiseParams};
+pub use odometer_noise::OdometerNoise;
+pub use odometer_params::OdometerErrorParams;
+pub use params::{ExtractionParams, KeyFault, PeriodParams, SharedParams};
 pub use running::LeftOut;
 pub use saved::{SavedFault, SavedFilter};
 pub use schedule::{Schedule, ScheduleFault};
@@ -61,6 +69,8 @@ pub struct FilterSettings {
     pub motion: MotionModel,
     /// The axle with the encoders.
     pub wheels: Wheels,
+    /// What wheels and odometers do wrong all the time.
+    pub odometer: OdometerModel,
     /// The steered wheel.
     pub steering: Steering,
     /// When a line is a wall of the map.
@@ -75,6 +85,7 @@ impl Default for FilterSettings {
         FilterSettings {
             motion: MotionModel::default(),
             wheels: Wheels::default(),
+            odometer: OdometerModel::default(),
             steering: Steering::default(),
             gates: Gates::default(),
             growth: Growth::default(),

@@ -134,7 +134,7 @@ fn expected_covariance(state: &State, wall: usize, predicted: &PredictedLine) ->
 pub(super) fn rows_of(state: &State, view: &Viewpoint, seen: &[SensedLine], matches: &[Match]) -> Vec<Row> {
     let rows = |found: &Match| {
         let (line, seen) = (state.walls.get(found.wall)?, seen.get(found.seen)?);
-        Some(PredictedLine::from(view, *line).rows(State::column_of(found.wall), seen))
+        Some(PredictedLine::from(view, *line).rows(state.column_of(found.wall), seen))
     };
     matches.iter().filter_map(rows).flatten().collect()
 }

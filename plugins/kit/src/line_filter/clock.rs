@@ -14,16 +14,27 @@ pub enum Source {
     Laser,
 }
 
+/// How to go on to a reading.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Steps {
+    /// Steps.
+    pub n: u32,
+    /// Of so many seconds each.
+    pub seconds: f64,
+}
+
+impl Steps {
+    /// The time of all steps, seconds.
+    pub fn all_s(&self) -> f64 {
+        f64::from(self.n) * self.seconds
+    }
+}
+
 /// What to do with a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Instant {
-    /// Predict so often by so many seconds, then take it in.
-    Ahead {
-        /// Steps.
-        n_steps: u32,
-        /// Of so many seconds each.
-        step_s: f64,
-    },
+    /// Go on to it, then take it in.
+    Ahead(Steps),
     /// It is older than the state by no more than may be: take it in as it is.
     Slightly,
     /// It is too old: drop it.
@@ -107,7 +118,7 @@ impl Clock {
         let step_ns = self.schedule.as_ref().and_then(|(schedule, _)| schedule.step_ns()).unwrap_or(ahead_ns);
         // A stamp that is a hair beside its step is not worth a step of its own.
         let n_steps = (ahead_ns as f64 / step_ns as f64 - EARLY).ceil().max(1.0);
-        Instant::Ahead { n_steps: n_steps as u32, step_s: (stamp - now).as_secs() / n_steps }
+        Instant::Ahead(Steps { n: n_steps as u32, seconds: (stamp - now).as_secs() / n_steps })
     }
 }
 

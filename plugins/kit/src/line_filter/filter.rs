@@ -1,10 +1,12 @@
 //! The filter: predictions, readings, and the map that grows from them.
 
-use super::FilterSettings;
+use super::{FilterSettings, MotionModel};
 use super::association::{Match, associate, rows_of};
+use super::clock::Steps;
 use super::consistency::Consistency;
 use super::growth::NewWall;
 use super::merging::merge_one;
+use super::odometer_errors::shift;
 use super::sighting::{Mount, Viewpoint};
 use super::state::State;
 use super::tentative::Tentative;
@@ -90,10 +92,12 @@ pub struct LineFilter {
 impl LineFilter {
     /// A filter that builds its map, from a robot that is known so well.
     pub fn building(settings: FilterSettings, robot: Vector5<f64>, covariance: &Matrix5<f64>) -> LineFilter {
+        let mut state = State::new(robot, covariance);
+        settings.odometer.begin(&mut state);
         LineFilter {
             settings,
             map_use: MapUse::Build,
-            state: State::new(robot, covariance),
+            state,
             walls: Vec::new(),
             tentative: Tentative::default(),
             n_scans: 0,
@@ -158,13 +162,14 @@ impl LineFilter {
     /// Goes on by so many seconds.
     pub fn predict(&mut self, seconds: f64) {
         self.settings.motion.predict(&mut self.state, seconds);
+        self.settings.odometer.wander(&mut self.state, seconds);
         self.slipping_s = self.slipping_s.map(|since_s| since_s + seconds);
     }
 
     /// Takes in the speeds of the left and the right wheel, m/s.
     pub fn read_wheels(&mut self, speeds_m_s: [f64; 2]) -> Reading {
         let wheels = self.settings.wheels;
-        let rows = wheels.rows(&self.state.robot, speeds_m_s);
+        let rows = self.settings.odometer.rows(&wheels, &self.state, speeds_m_s);
         let Ok(mut update) = Update::new(&self.state, &rows) else { return Reading::Refused };
         let distance2 = update.distance2();
         if distance2.is_nan() || distance2 > wheels.slip_gate {
@@ -177,6 +182,28 @@ impl LineFilter {
         }
         self.slipping_s = None;
         update.fuse(&mut self.state, &rows, self.map_use == MapUse::Known);
+        self.consistency[0].push(distance2, 2);
+        Reading::Fused(distance2)
+    }
+
+    /// Goes on by some steps, in which an odometer read this mean speed (m/s) and turn (rad/s) with these variances. What it
+    /// read is the motion: it says where the robot went to the millimeter, however its stamps jitter.
+    pub fn roll(&mut self, read: [f64; 2], variances: [f64; 2], steps: Steps) -> Reading {
+        let model = self.settings.odometer;
+        let rows = model.odometer_rows(&self.state, read, variances);
+        let Ok(update) = Update::new(&self.state, &rows) else { return Reading::Refused };
+        let distance2 = update.distance2();
+        if !distance2.is_finite() {
+            return Reading::Refused;
+        }
+        model.move_as_read(&mut self.state, read, variances);
+        let motion =
+            MotionModel { acceleration_m_s2: 0.0, turn_acceleration_rad_s2: 0.0, ..self.settings.motion };
+        for _ in 0..steps.n {
+            motion.predict(&mut self.state, steps.seconds);
+            model.wander(&mut self.state, steps.seconds);
+        }
+        self.slipping_s = None;
         self.consistency[0].push(distance2, 2);
         Reading::Fused(distance2)
     }
@@ -195,6 +222,14 @@ impl LineFilter {
 
     /// Takes in the lines of one scan.
     pub fn read_lines(&mut self, seen: &[SensedLine], mount: &Mount) -> ScanReport {
+        let (model, motion) = (self.settings.odometer, self.settings.motion);
+        shift(&model, &motion, &mut self.state, -1.0);
+        let report = self.look(seen, mount);
+        shift(&model, &motion, &mut self.state, 1.0);
+        report
+    }
+
+    fn look(&mut self, seen: &[SensedLine], mount: &Mount) -> ScanReport {
         let view = Viewpoint::new(&self.state.robot, mount);
         let matches = associate(&self.state, &self.walls, &view, seen, &self.settings.gates);
         let mut report = ScanReport::default();

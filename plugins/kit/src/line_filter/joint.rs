@@ -48,7 +48,7 @@ pub(super) fn compatible(
     let mut choices: Vec<Vec<Pair>> = (0..seen.len()).map(|_| Vec::new()).collect();
     for found in passing {
         let (Some(line), Some(wall)) = (seen.get(found.seen), state.walls.get(found.wall)) else { continue };
-        let column = State::column_of(found.wall);
+        let column = state.column_of(found.wall);
         let rows = PredictedLine::from(view, *wall).rows(column, line);
         let columns = [0, 1, 2, column, column + 1];
         if let Some(choices) = choices.get_mut(found.seen) {

@@ -20,7 +20,7 @@ pub(super) fn merge_one(
             (0..walls.len()).find(|&other| other != one && are_one(state, walls, one, other, gates))?;
         Some((one.min(other), one.max(other)))
     })?;
-    let columns = [kept, gone].map(State::column_of);
+    let columns = [kept, gone].map(|wall| state.column_of(wall));
     let (lines, walls_of) = (&state.walls, &*walls);
     let ([rho, phi], [gone_rho, gone_phi]) = (*lines.get(kept)?, *lines.get(gone)?);
     let gone_ends_m = walls_of.get(gone)?.ends_m;

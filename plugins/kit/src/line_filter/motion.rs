@@ -57,6 +57,17 @@ impl MotionModel {
         (next, by_robot)
     }
 
+    /// How the place after a step changes with its length.
+    pub fn by_time(&self, robot: &Vector5<f64>, t: f64) -> Vector5<f64> {
+        let (v, omega) = (robot[3], robot[4]);
+        let (sin, cos) = self.direction(robot, t).sin_cos();
+        let swing = match self.integration {
+            Integration::Midpoint => t * v * omega / 2.0,
+            Integration::Euler => 0.0,
+        };
+        Vector5::new(v * cos - swing * sin, v * sin + swing * cos, omega, 0.0, 0.0)
+    }
+
     /// How the robot answers to the accelerations of a step (Gamma).
     pub fn by_accelerations(&self, robot: &Vector5<f64>, t: f64) -> SMatrix<f64, ROBOT, 2> {
         let (sin, cos) = self.direction(robot, t).sin_cos();

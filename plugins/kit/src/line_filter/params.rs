@@ -1,6 +1,8 @@
 //! Keys that the plugins with this filter share.
 
 use super::clock::Clock;
+use super::noise_params::SensorNoiseParams;
+use super::odometer_params::OdometerErrorParams;
 use super::schedule::Schedule;
 use super::steering::SteeringModel;
 use super::tracker::TrackerSettings;
@@ -43,40 +45,6 @@ impl Default for ExtractionParams {
     }
 }
 
-/// How unsure the sensors are: standard deviations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
-pub struct SensorNoiseParams {
-    /// Of the speed of each wheel, m/s (sigma_1, sigma_2).
-    pub wheel_speed_m_s: f64,
-    /// Of the angle of the steered wheel, degrees (sigma_beta).
-    pub steering_deg: f64,
-    /// Of a range, meters (sigma_r).
-    pub range_m: f64,
-    /// Of a bearing, degrees (sigma_alpha).
-    pub bearing_deg: f64,
-    /// Of a wall's surface, meters (sigma_xy).
-    pub surface_m: f64,
-    /// No line's distance is surer than this, meters.
-    pub least_distance_m: f64,
-    /// No line's normal is surer than this, degrees.
-    pub least_normal_deg: f64,
-}
-
-impl Default for SensorNoiseParams {
-    fn default() -> Self {
-        SensorNoiseParams {
-            wheel_speed_m_s: 0.02,
-            steering_deg: 0.5,
-            range_m: 0.03,
-            bearing_deg: 0.1,
-            surface_m: 0.005,
-            least_distance_m: 0.005,
-            least_normal_deg: 0.1,
-        }
-    }
-}
-
 /// Periods that readings are thinned to; then predictions are steps of their greatest common divisor (from reading to
 /// reading where that is below 1 ms). All 0 takes every reading at its stamp.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -99,6 +67,8 @@ pub struct SharedParams<'a> {
     pub extraction: &'a ExtractionParams,
     /// How unsure the sensors are.
     pub noise: &'a SensorNoiseParams,
+    /// What wheels and odometers do wrong all the time.
+    pub odometer: &'a OdometerErrorParams,
     /// When readings are taken in.
     pub periods: &'a PeriodParams,
     /// What the steering angle has to do with the motion.
@@ -109,6 +79,14 @@ pub struct SharedParams<'a> {
     pub slip_gate: f64,
     /// Squared distance of the farthest line that is a wall.
     pub gate: f64,
+    /// Farthest line beside its wall that still is it, meters.
+    pub gate_distance_m: f64,
+    /// Most that it may be turned, degrees.
+    pub gate_normal_deg: f64,
+    /// A scan is taken in once the robot went so far since the last, meters,
+    pub look_every_m: f64,
+    /// or turned so far, degrees.
+    pub look_every_deg: f64,
     /// Pairs must fit together.
     pub joint: bool,
     /// Largest gap along a wall, meters.
@@ -136,6 +114,8 @@ impl SharedParams<'_> {
             ("sigma_linear_acceleration", self.motion.acceleration_m_s2),
             ("sigma_angular_acceleration", self.motion.turn_acceleration_rad_s2),
             ("gate", self.gate),
+            ("gate_distance_m", self.gate_distance_m),
+            ("gate_normal_deg", self.gate_normal_deg),
             ("slip_gate", self.slip_gate),
             ("extraction.split_m", extraction.split_m),
             ("extraction.max_rms_m", extraction.max_rms_m),
@@ -145,6 +125,8 @@ impl SharedParams<'_> {
             ("noise.range_m", noise.range_m),
             ("noise.least_distance_m", noise.least_distance_m),
             ("noise.least_normal_deg", noise.least_normal_deg),
+            ("noise.odometer.standing_m", noise.odometer.standing_m),
+            ("noise.odometer.standing_deg", noise.odometer.standing_deg),
         ] {
             expect(value > 0.0 && value.is_finite(), key, &value, "a finite number above 0");
         }
@@ -153,11 +135,19 @@ impl SharedParams<'_> {
             ("max_gap_m", self.max_gap_m),
             ("steering_min_speed_m_s", self.steering_min_speed_m_s),
             ("late_s", self.late_s),
+            ("look_every_m", self.look_every_m),
+            ("look_every_deg", self.look_every_deg),
             ("extraction.min_length_m", extraction.min_length_m),
             ("noise.bearing_deg", noise.bearing_deg),
             ("noise.surface_m", noise.surface_m),
+            ("noise.odometer.distance", noise.odometer.distance),
+            ("noise.odometer.direction_deg_m", noise.odometer.direction_deg_m),
+            ("noise.odometer.turn", noise.odometer.turn),
         ] {
             expect(value >= 0.0 && value.is_finite(), key, &value, "a finite number, 0 or more");
+        }
+        for (key, value, most) in self.odometer.limits() {
+            expect((0.0..=most).contains(&value), key, &value, &format!("0 to {most}"));
         }
         let grazing = extraction.grazing_deg;
         expect(
@@ -197,6 +187,7 @@ impl SharedParams<'_> {
                 slip_gate: self.slip_gate,
                 ..Wheels::default()
             },
+            odometer: self.odometer.model(),
             steering: Steering {
                 model: self.steering_model,
                 behind_m: -robot.drive.steered_ahead_m().unwrap_or(0.0),
@@ -207,6 +198,8 @@ impl SharedParams<'_> {
                 distance2: self.gate,
                 gap_m: self.max_gap_m,
                 joint: self.joint,
+                distance_m: self.gate_distance_m,
+                normal_rad: self.gate_normal_deg.to_radians(),
                 ..Gates::default()
             },
             growth: Growth { gap_m: self.max_gap_m, ..growth },
@@ -217,6 +210,8 @@ impl SharedParams<'_> {
             drive: robot.drive,
             start_motion: [robot.max_speed_m_s, robot.max_turn_rad_s()],
             clock: self.clock(),
+            look_every: [self.look_every_m, self.look_every_deg.to_radians()],
+            odometer: noise.odometer.noise(),
             lost_after_scans: self.lost_after_scans,
         }
     }

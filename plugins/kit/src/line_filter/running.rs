@@ -1,13 +1,13 @@
 //! What a tracker does with each observation once it was started.
 
-use super::clock::{Clock, Instant, Source};
+use super::clock::{Clock, Instant, Source, Steps};
 use super::filter::{LineFilter, Reading};
 use super::sighting::Mount;
 use super::tracker::{TrackFault, TrackerSettings};
 use super::wheel_readings::{Odometer, of_axle};
 use crate::lines::{BeamFan, LineExtractor};
 use rumbo_core::frames::{Pose2, flatten};
-use rumbo_core::messages::{Check, Data, Estimate, LaserScan, Observation, Status};
+use rumbo_core::messages::{Check, Data, Estimate, LaserScan, Observation, Odometry, Status};
 use rumbo_core::odometry_track::OdometryTrack;
 use rumbo_core::robot::Drive;
 use rumbo_core::time::Time;
@@ -37,6 +37,8 @@ pub(super) struct Running {
     pub left_out: LeftOut,
     scans_without_match: u32,
     pub n_scans: u64,
+    /// Where the last scan was taken in.
+    looked_from: Option<Pose2>,
 }
 
 /// Longer than this the robot is not predicted, seconds.
@@ -54,6 +56,7 @@ impl Running {
             left_out: LeftOut::default(),
             scans_without_match: 0,
             n_scans: 0,
+            looked_from: None,
         }
     }
 
@@ -78,19 +81,7 @@ impl Running {
             Data::Odometry(odometry) => {
                 odometry.check()?;
                 self.track.push(stamp, odometry);
-                let half_track_m = settings.filter.wheels.half_track_m;
-                let mean = self.odometer.advance(stamp, odometry.odom_from_base, half_track_m);
-                if let Some(mean) = mean.filter(|_| !self.has_wheels) {
-                    // A scan may have brought the state beyond the middle already.
-                    let at = self
-                        .clock
-                        .now()
-                        .filter(|now| *now <= stamp)
-                        .map_or(mean.middle, |now| now.max(mean.middle));
-                    if self.goes_to(Source::Wheels, at, settings)? {
-                        self.turn_wheels(mean.wheels_m_s);
-                    }
-                }
+                self.follow_odometer(stamp, odometry, settings)?;
             }
             // What stands for the angle of another drive, nobody says.
             Data::SteeringAngle(steering) if matches!(settings.drive, Drive::Tricycle { .. }) => {
@@ -102,7 +93,7 @@ impl Running {
             }
             Data::LaserScan(scan) => {
                 scan.check()?;
-                if self.goes_to(Source::Laser, stamp, settings)? {
+                if self.goes_to(Source::Laser, stamp, settings)? && self.is_elsewhere(settings.look_every) {
                     self.look(scan, &Mount::from(&flatten(&observation.base_from_sensor)), extractor);
                 }
             }
@@ -118,24 +109,61 @@ impl Running {
         stamp: Time,
         settings: &TrackerSettings,
     ) -> Result<bool, TrackFault> {
+        let Some(steps) = self.admitted(source, stamp, settings)? else { return Ok(false) };
+        (0..steps.n).for_each(|_| self.filter.predict(steps.seconds));
+        Ok(true)
+    }
+
+    /// How to go on to a reading; none where it is left out.
+    fn admitted(
+        &mut self,
+        source: Source,
+        stamp: Time,
+        settings: &TrackerSettings,
+    ) -> Result<Option<Steps>, TrackFault> {
         let gap_s = self.clock.now().map_or(0.0, |now| (stamp - now).as_secs());
         match self.clock.admit(source, stamp) {
-            Instant::Ahead { .. } if gap_s > LONGEST_GAP_S => {
+            Instant::Ahead(_) if gap_s > LONGEST_GAP_S => {
                 self.filter.forget_motion(settings.start_motion);
-                return Err(TrackFault::Gap { gap_s });
+                Err(TrackFault::Gap { gap_s })
             }
-            Instant::Ahead { n_steps, step_s } => (0..n_steps).for_each(|_| self.filter.predict(step_s)),
-            Instant::Slightly => {}
+            Instant::Ahead(steps) => Ok(Some(steps)),
+            Instant::Slightly => Ok(Some(Steps::default())),
             Instant::Late => {
                 self.left_out.late += 1;
-                return Ok(false);
+                Ok(None)
             }
             Instant::NotDue => {
                 self.left_out.not_due += 1;
-                return Ok(false);
+                Ok(None)
             }
         }
-        Ok(true)
+    }
+
+    /// An odometer says how far the robot went since its last reading: that is where it goes now.
+    fn follow_odometer(
+        &mut self,
+        stamp: Time,
+        odometry: &Odometry,
+        settings: &TrackerSettings,
+    ) -> Result<(), TrackFault> {
+        if self.has_wheels || self.odometer.stamp.is_none_or(|last| stamp <= last) {
+            self.odometer.advance(stamp, odometry.odom_from_base);
+            return Ok(());
+        }
+        let admitted = self.admitted(Source::Wheels, stamp, settings);
+        if admitted == Ok(None) {
+            // A later reading tells this way, too.
+            return Ok(());
+        }
+        let mean = self.odometer.advance(stamp, odometry.odom_from_base);
+        let (Some(steps), Some(mean)) = (admitted?, mean) else { return Ok(()) };
+        let seconds = if steps.n > 0 { steps.all_s() } else { mean.seconds };
+        let noise = settings.odometer.of(odometry.noise, &settings.filter.wheels);
+        let read = [mean.forward_m_s, mean.turn_rad_s];
+        let reading = self.filter.roll(read, noise.variances(read, seconds), steps);
+        self.left_out.refused += u64::from(reading == Reading::Refused);
+        Ok(())
     }
 
     fn turn_wheels(&mut self, speeds_m_s: [f64; 2]) {
@@ -144,6 +172,14 @@ impl Running {
             Reading::Refused => self.left_out.refused += 1,
             Reading::Fused(_) | Reading::TooSlow => {}
         }
+    }
+
+    /// The robot is farther (m) or turned by more (rad) than this from where it looked last.
+    fn is_elsewhere(&self, [way_m, turn_rad]: [f64; 2]) -> bool {
+        self.looked_from.is_none_or(|map_from_last| {
+            let step = map_from_last.inverse() * self.filter.state().pose();
+            step.translation.vector.norm() >= way_m || step.rotation.angle().abs() >= turn_rad
+        })
     }
 
     fn look(&mut self, scan: &LaserScan, mount: &Mount, extractor: &mut LineExtractor) {
@@ -155,6 +191,7 @@ impl Running {
         };
         let lines = extractor.extract(&fan, scan.ranges_m.iter().map(|range| f64::from(*range)));
         let report = self.filter.read_lines(lines, mount);
+        self.looked_from = Some(self.filter.state().pose());
         self.n_scans += 1;
         self.left_out.refused += u64::from(report.is_refused);
         if !report.matches.is_empty() {

@@ -1,12 +1,11 @@
 //! The whole state as bytes, to go on from later.
 //!
-//! Layout, little-endian: magic, version, stamps, odometer, number of scans, robot, walls with their ends, lower triangle of
+//! Layout, little-endian: magic, version, stamps, odometer, number of scans, robot, errors of the odometer, walls with their ends, lower triangle of
 //! the covariance by columns, tentative lines; last the CRC-32 of everything before it. Bytes that are not whole, of another
 //! version, or that are no state are refused with their reason. The running means of innovations begin anew.
 
 use super::FilterSettings;
 use super::filter::{LineFilter, MapUse};
-use super::state::{ROBOT, State};
 use super::tentative::{Candidate, Tentative};
 use super::wall::Wall;
 use crate::seal::{Broken, Reader, Seal};
@@ -14,7 +13,7 @@ use nalgebra::{Cholesky, Matrix5, Vector5};
 use rumbo_core::time::Time;
 
 /// Goes up with every change of the layout.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const SEAL: Seal = Seal { magic: *b"RUMBOEKF", version: VERSION };
 /// No map that the filter can carry has more walls.
 const MOST_WALLS: u64 = 20_000;
@@ -35,6 +34,14 @@ pub enum SavedFault {
     /// A part is missing or changed.
     #[error("it is damaged or cut off")]
     Damaged,
+    /// The filter estimates other errors of its odometer than the one that saved it.
+    #[error("it has {found} errors of the odometer, this filter estimates {expected}; keep `odometer_errors` as it was")]
+    OtherErrors {
+        /// Errors that were saved.
+        found: u64,
+        /// Errors that are estimated.
+        expected: u64,
+    },
     /// It is whole, but its numbers are no state.
     #[error("its numbers are no state: {what}")]
     Impossible {
@@ -68,7 +75,9 @@ impl SavedFilter {
         out.stamp(self.odometry_stamp);
         out.numbers(&self.odom_from_base);
         out.integers(&[*n_scans as i64, walls.len() as i64, tentative.candidates.len() as i64]);
+        out.integers(&[state.odometer.len() as i64]);
         out.numbers(state.robot.as_slice());
+        out.numbers(&state.odometer);
         for (line, wall) in state.walls.iter().zip(walls) {
             out.numbers(line);
             wall.ends_m.iter().for_each(|end| out.numbers(end));
@@ -91,7 +100,8 @@ impl SavedFilter {
     /// Why the bytes are no state.
     pub fn from_bytes(bytes: &[u8], settings: FilterSettings) -> Result<SavedFilter, SavedFault> {
         let mut input = SEAL.open(bytes)?;
-        let saved = read(&mut input, settings).ok_or(SavedFault::Damaged)?;
+        let expected = settings.odometer.estimated().count() as u64;
+        let saved = read(&mut input, settings, expected)?;
         if !input.is_empty() {
             return Err(SavedFault::Damaged);
         }
@@ -116,27 +126,66 @@ impl From<Broken> for SavedFault {
     }
 }
 
-/// What lies between; none where something is missing.
-fn read(input: &mut Reader<'_>, settings: FilterSettings) -> Option<SavedFilter> {
+/// What lies between.
+fn read(input: &mut Reader<'_>, settings: FilterSettings, expected: u64) -> Result<SavedFilter, SavedFault> {
+    let head = head(input).ok_or(SavedFault::Damaged)?;
+    let found = head.n_odometer;
+    if found != expected {
+        return Err(SavedFault::OtherErrors { found, expected });
+    }
+    body(input, settings, head).ok_or(SavedFault::Damaged)
+}
+
+/// What comes before the numbers of the state.
+struct Head {
+    start: Time,
+    now: Option<Time>,
+    odometry_stamp: Option<Time>,
+    odom_from_base: [f64; 3],
+    n_scans: u64,
+    n_walls: u64,
+    n_candidates: u64,
+    n_odometer: u64,
+}
+
+/// None where something is missing.
+fn head(input: &mut Reader<'_>) -> Option<Head> {
     let (start, now, odometry_stamp) = (Time(input.i64()?), stamp(input)?, stamp(input)?);
     let odom_from_base = [input.f64()?, input.f64()?, input.f64()?];
     let n_scans = input.i64()? as u64;
-    let [n_walls, n_candidates] = [input.i64()? as u64, input.i64()? as u64];
-    if n_walls.max(n_candidates) > MOST_WALLS {
-        return None;
-    }
+    let [n_walls, n_candidates, n_odometer] = [input.i64()? as u64, input.i64()? as u64, input.i64()? as u64];
+    let head = Head {
+        start,
+        now,
+        odometry_stamp,
+        odom_from_base,
+        n_scans,
+        n_walls,
+        n_candidates,
+        n_odometer,
+    };
+    (n_walls.max(n_candidates) <= MOST_WALLS).then_some(head)
+}
+
+/// The state; none where something is missing.
+fn body(input: &mut Reader<'_>, settings: FilterSettings, head: Head) -> Option<SavedFilter> {
+    let Head { start, now, odometry_stamp, odom_from_base, n_scans, n_walls, n_candidates, .. } = head;
     let mut robot = Vector5::zeros();
     for number in robot.iter_mut() {
         *number = input.f64()?;
     }
-    let mut state = State::new(robot, &Matrix5::zeros());
+    let mut filter = LineFilter::building(settings, robot, &Matrix5::zeros());
+    let state = &mut filter.state;
+    for number in &mut state.odometer {
+        *number = input.f64()?;
+    }
     let mut walls = Vec::new();
     for _ in 0..n_walls {
         state.walls.push([input.f64()?, input.f64()?]);
         walls.push(Wall { ends_m: ends_m(input)? });
     }
     state.covariance.grow(2 * walls.len());
-    let size = ROBOT + 2 * walls.len();
+    let size = state.covariance.size();
     for col in 0..size {
         let mut covariance = state.covariance.view_mut();
         for row in col..size {
@@ -150,8 +199,7 @@ fn read(input: &mut Reader<'_>, settings: FilterSettings) -> Option<SavedFilter>
         let (hits, last_scan) = (input.i64()? as u32, input.i64()? as u64);
         tentative.candidates.push(Candidate { line, piece, hits, last_scan });
     }
-    let mut filter = LineFilter::building(settings, robot, &Matrix5::zeros());
-    (filter.map_use, filter.state, filter.walls) = (MapUse::Build, state, walls);
+    (filter.map_use, filter.walls) = (MapUse::Build, walls);
     (filter.tentative, filter.n_scans) = (tentative, n_scans);
     Some(SavedFilter { start, now, odom_from_base, odometry_stamp, filter })
 }

@@ -13,6 +13,8 @@ pub const ROBOT: usize = 5;
 pub struct State {
     /// x, y, theta of the middle of the axle in the map, its speed and turn.
     pub robot: Vector5<f64>,
+    /// Errors of the odometer, as many as are estimated.
+    pub odometer: Vec<f64>,
     /// Distance (may be negative) and normal of each wall: `[rho, phi]`.
     pub walls: Vec<[f64; 2]>,
     /// Covariance of all of it, in this order.
@@ -28,14 +30,24 @@ pub(super) fn wrapped(angle_rad: f64) -> f64 {
 impl State {
     /// A robot without walls.
     pub fn new(robot: Vector5<f64>, covariance: &Matrix5<f64>) -> State {
-        let mut state = State { robot, walls: Vec::new(), covariance: Covariance::zeros(ROBOT) };
+        let mut state = State {
+            robot,
+            odometer: Vec::new(),
+            walls: Vec::new(),
+            covariance: Covariance::zeros(ROBOT),
+        };
         state.covariance.view_mut().copy_from(covariance);
         state
     }
 
+    /// Numbers that are no walls: those of the robot and of its odometer.
+    pub fn n_moving(&self) -> usize {
+        ROBOT + self.odometer.len()
+    }
+
     /// Where the numbers of a wall begin.
-    pub fn column_of(wall: usize) -> usize {
-        ROBOT + 2 * wall
+    pub fn column_of(&self, wall: usize) -> usize {
+        self.n_moving() + 2 * wall
     }
 
     /// The robot in the map.
@@ -50,18 +62,18 @@ impl State {
 
     /// Covariance of two walls' numbers with each other.
     pub fn between(&self, one: usize, other: usize) -> Matrix2<f64> {
-        let (row, col) = (Self::column_of(one), Self::column_of(other));
+        let (row, col) = (self.column_of(one), self.column_of(other));
         self.covariance.view().fixed_view::<2, 2>(row, col).into_owned()
     }
 
     /// Covariance of the robot's numbers with a wall's.
     pub fn robot_with(&self, wall: usize) -> SMatrix<f64, ROBOT, 2> {
-        self.covariance.view().fixed_view::<ROBOT, 2>(0, Self::column_of(wall)).into_owned()
+        self.covariance.view().fixed_view::<ROBOT, 2>(0, self.column_of(wall)).into_owned()
     }
 
     /// Adds a wall that has nothing to do with the rest.
     pub fn add_known(&mut self, line: [f64; 2], covariance: &Matrix2<f64>) {
-        let at = Self::column_of(self.walls.len());
+        let at = self.column_of(self.walls.len());
         self.covariance.grow(2);
         self.covariance.view_mut().fixed_view_mut::<2, 2>(at, at).copy_from(covariance);
         self.walls.push([line[0], wrapped(line[1])]);
@@ -70,7 +82,7 @@ impl State {
     /// Adds a wall that depends on the robot (`by_robot`) and on a measurement with this covariance (`by_sighting` goes
     /// through it already).
     pub fn add_seen(&mut self, line: [f64; 2], by_robot: &SMatrix<f64, 2, ROBOT>, noise: &Matrix2<f64>) {
-        let at = Self::column_of(self.walls.len());
+        let at = self.column_of(self.walls.len());
         self.covariance.grow(2);
         let mut covariance = self.covariance.view_mut();
         let with_rest = by_robot * covariance.view((0, 0), (ROBOT, at));
@@ -83,7 +95,7 @@ impl State {
 
     /// Forgets a wall; the last one takes its place.
     pub fn swap_remove(&mut self, wall: usize) {
-        self.covariance.swap_remove_pair(Self::column_of(wall));
+        self.covariance.swap_remove_pair(self.column_of(wall));
         self.walls.swap_remove(wall);
     }
 
@@ -108,7 +120,7 @@ impl State {
 
     /// Every number is finite.
     pub fn is_finite(&self) -> bool {
-        self.robot.iter().chain(self.walls.iter().flatten()).all(|v| v.is_finite())
+        self.robot.iter().chain(&self.odometer).chain(self.walls.iter().flatten()).all(|v| v.is_finite())
             && self.covariance.view().iter().all(|v| v.is_finite())
     }
 }

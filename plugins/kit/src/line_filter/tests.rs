@@ -2,6 +2,7 @@ mod clocks;
 mod gates;
 mod joint;
 mod map;
+mod odometer;
 mod one_step;
 mod saving;
 mod tracking;

@@ -3,12 +3,13 @@
 use super::FilterSettings;
 use super::clock::Clock;
 use super::filter::{LineFilter, WallMap};
+use super::odometer_noise::OdometerNoise;
 use super::running::{LeftOut, Running};
 use super::saved::{SavedFault, SavedFilter};
 use crate::lines::{LineExtractor, LineSettings};
 use nalgebra::{Matrix3, Matrix5, Vector5};
 use rumbo_core::frames::{Pose2, pose2};
-use rumbo_core::messages::{Check, Estimate, MessageFault, Odometry, Prior, Seen};
+use rumbo_core::messages::{Check, Data, Estimate, MessageFault, Observation, Odometry, Prior, Seen};
 use rumbo_core::robot::Drive;
 use rumbo_core::time::Time;
 
@@ -25,6 +26,10 @@ pub struct TrackerSettings {
     pub start_motion: [f64; 2],
     /// When which reading is taken in.
     pub clock: Clock,
+    /// A scan is taken in once the robot went (m) or turned (rad) so far since the last one that was.
+    pub look_every: [f64; 2],
+    /// How unsure an odometer is.
+    pub odometer: OdometerNoise,
     /// So many scans in a row of which no line is a wall of the known map, and the robot is lost.
     pub lost_after_scans: u32,
 }
@@ -191,7 +196,10 @@ impl LineTracker {
     pub fn update(&mut self, now: Time, seen: Seen<'_>) -> Result<Estimate, TrackFault> {
         let running = self.running.as_mut().ok_or(TrackFault::NotStarted)?;
         let mut outcome = Ok(());
-        for observation in seen.iter().filter(|observation| observation.valid) {
+        let mut seen: Vec<&Observation> = seen.iter().filter(|observation| observation.valid).collect();
+        // Where the robot went comes before what it saw there.
+        seen.sort_by_key(|observation| (observation.stamp, matches!(observation.data, Data::LaserScan(_))));
+        for observation in seen {
             let taken = running.take(observation, &self.settings, &mut self.extractor);
             outcome = outcome.and(taken);
         }

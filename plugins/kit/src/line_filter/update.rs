@@ -1,15 +1,15 @@
 //! The update of the Kalman filter for measurements that depend on a few numbers of the state.
 
 use super::covariance::Covariance;
-use super::state::{ROBOT, State};
+use super::state::State;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 /// One measured number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
     /// Columns of the state that it depends on, and how (a row of H); unused ones have the weight zero.
-    columns: [usize; 5],
-    weights: [f64; 5],
+    columns: [usize; 6],
+    weights: [f64; 6],
     /// What was measured less what was expected.
     pub innovation: f64,
     /// Variance of the measurement (diagonal of R).
@@ -19,10 +19,10 @@ pub struct Row {
 }
 
 impl Row {
-    /// A number that depends on at most five columns.
+    /// A number that depends on at most six columns.
     pub fn new(weights: &[(usize, f64)], innovation: f64, variance: f64) -> Row {
         let mut row =
-            Row { columns: [0; 5], weights: [0.0; 5], innovation, variance, covariance_with_next: 0.0 };
+            Row { columns: [0; 6], weights: [0.0; 6], innovation, variance, covariance_with_next: 0.0 };
         let places = row.columns.iter_mut().zip(&mut row.weights);
         for ((at, by), (column, weight)) in places.zip(weights) {
             (*at, *by) = (*column, *weight);
@@ -89,11 +89,12 @@ impl Update {
     /// `P <- (I - K H) P`, then `P <- P - (P H^T - K R) K^T`.
     pub fn fuse(&self, state: &mut State, rows: &[Row], is_map_known: bool) {
         let n_columns = state.covariance.size();
-        let n_gained = if is_map_known { ROBOT } else { n_columns };
+        let n_moving = state.n_moving();
+        let n_gained = if is_map_known { n_moving } else { n_columns };
         let gain = self.gain(n_gained);
         let step = &gain * &self.innovation;
-        for (number, step) in state.robot.iter_mut().chain(state.walls.iter_mut().flatten()).zip(step.iter())
-        {
+        let numbers = state.robot.iter_mut().chain(&mut state.odometer);
+        for (number, step) in numbers.chain(state.walls.iter_mut().flatten()).zip(step.iter()) {
             *number += step;
         }
         state.wrap();
@@ -105,8 +106,8 @@ impl Update {
         state.covariance.mirror_lower(n_gained);
         if is_map_known {
             let mut covariance = state.covariance.view_mut();
-            let cross = covariance.view((0, ROBOT), (ROBOT, n_columns - ROBOT)).transpose();
-            covariance.view_mut((ROBOT, 0), (n_columns - ROBOT, ROBOT)).copy_from(&cross);
+            let cross = covariance.view((0, n_moving), (n_moving, n_columns - n_moving)).transpose();
+            covariance.view_mut((n_moving, 0), (n_columns - n_moving, n_moving)).copy_from(&cross);
         }
     }
 }

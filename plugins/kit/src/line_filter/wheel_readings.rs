@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 use rumbo_core::frames::{Pose2, wrap_angle};
 use rumbo_core::messages::WheelSpeeds;
 use rumbo_core::robot::Drive;
-use rumbo_core::time::{Span, Time};
+use rumbo_core::time::Time;
 
 /// Left and right speed of the fixed axle, m/s; none where there are not these wheels. A tricycle with three wheels says
 /// its steered wheel first; four wheels are two a side.
@@ -26,34 +26,31 @@ pub(super) struct Odometer {
     pub stamp: Option<Time>,
 }
 
-/// A mean over the time between two readings.
+/// Means over the time between two readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct MeanSpeeds {
-    /// Of the left and the right wheel, m/s.
-    pub wheels_m_s: [f64; 2],
-    /// The middle of that time, for which the mean is right as long as the acceleration is constant.
-    pub middle: Time,
+pub(super) struct MeanMotion {
+    /// Speed along the arc, m/s.
+    pub forward_m_s: f64,
+    /// Turn, rad/s.
+    pub turn_rad_s: f64,
+    /// That time, seconds.
+    pub seconds: f64,
 }
 
 impl Odometer {
     /// Takes in a reading that is newer than the last; none after the first, and none for an old one.
-    pub fn advance(&mut self, stamp: Time, odom_from_base: Pose2, half_track_m: f64) -> Option<MeanSpeeds> {
+    pub fn advance(&mut self, stamp: Time, odom_from_base: Pose2) -> Option<MeanMotion> {
         if self.stamp.is_some_and(|last| stamp <= last) {
             return None;
         }
         let before = std::mem::replace(self, Odometer { odom_from_base, stamp: Some(stamp) });
-        let last = before.stamp?;
-        let elapsed = stamp - last;
+        let seconds = (stamp - before.stamp?).as_secs();
         let step = before.odom_from_base.inverse() * odom_from_base;
         let turn_rad = wrap_angle(step.rotation.angle());
         let half_rad = turn_rad / 2.0;
         // Along the chord of an arc, which is shorter than the arc.
         let along = step.translation.vector.dot(&Vector2::new(half_rad.cos(), half_rad.sin()));
         let way_m = if half_rad.abs() < 1e-6 { along } else { along * half_rad / half_rad.sin() };
-        let (speed, turn) = (way_m / elapsed.as_secs(), turn_rad / elapsed.as_secs());
-        Some(MeanSpeeds {
-            wheels_m_s: [speed - half_track_m * turn, speed + half_track_m * turn],
-            middle: last + Span(elapsed.0 / 2),
-        })
+        Some(MeanMotion { forward_m_s: way_m / seconds, turn_rad_s: turn_rad / seconds, seconds })
     }
 }

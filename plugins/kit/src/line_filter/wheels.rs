@@ -2,7 +2,6 @@
 
 use super::state::State;
 use super::update::Row;
-use nalgebra::Vector5;
 
 /// The axle with the encoders.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,22 +24,6 @@ impl Default for Wheels {
 }
 
 impl Wheels {
-    /// What the left and the right wheel should read, m/s.
-    pub fn expected(&self, robot: &Vector5<f64>) -> [f64; 2] {
-        let turn = self.half_track_m * robot[4];
-        [robot[3] - turn, robot[3] + turn]
-    }
-
-    /// The measurement of both speeds.
-    pub fn rows(&self, robot: &Vector5<f64>, speeds_m_s: [f64; 2]) -> [Row; 2] {
-        let expected = self.expected(robot);
-        let variance = self.speed_m_s * self.speed_m_s;
-        let row = |k: usize, side: f64| {
-            Row::new(&[(3, 1.0), (4, side * self.half_track_m)], speeds_m_s[k] - expected[k], variance)
-        };
-        [row(0, -1.0), row(1, 1.0)]
-    }
-
     /// Speed and turn may be off by as much as the wheels say.
     pub(super) fn doubt_motion(&self, state: &mut State, rows: &[Row; 2]) {
         let [left, right] = rows.each_ref().map(|row| row.innovation);

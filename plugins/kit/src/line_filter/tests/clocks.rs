@@ -42,7 +42,7 @@ const LATE: Span = Span(50 * MS);
 fn without_periods_the_state_goes_to_each_stamp() {
     let mut clock = Clock::new(LATE);
     assert_eq!(clock.admit(Source::Laser, at(1000.0)), Instant::Slightly, "the first reading is the present");
-    let Instant::Ahead { n_steps: 1, step_s } = clock.admit(Source::Wheels, at(1047.5)) else { panic!() };
+    let Instant::Ahead(Steps { n: 1, seconds: step_s }) = clock.admit(Source::Wheels, at(1047.5)) else { panic!() };
     assert!((step_s - 0.0475).abs() < 1e-12);
     assert_eq!(clock.admit(Source::Wheels, at(1047.5)), Instant::Slightly);
     assert_eq!(clock.admit(Source::Laser, at(1047.5 - 50.0)), Instant::Slightly, "a base period old");
@@ -57,11 +57,11 @@ fn with_periods_steps_are_base_periods_and_each_period_has_one_reading() {
     assert_eq!(clock.admit(Source::Wheels, at(0.0)), Instant::Slightly);
     assert_eq!(clock.admit(Source::Wheels, at(20.0)), Instant::NotDue);
     // A hair early and a hair late belong to their period, and are one step.
-    let Instant::Ahead { n_steps: 1, .. } = clock.admit(Source::Wheels, at(49.5)) else { panic!() };
-    let Instant::Ahead { n_steps: 1, step_s } = clock.admit(Source::Wheels, at(100.4)) else { panic!() };
+    let Instant::Ahead(Steps { n: 1, .. }) = clock.admit(Source::Wheels, at(49.5)) else { panic!() };
+    let Instant::Ahead(Steps { n: 1, seconds: step_s }) = clock.admit(Source::Wheels, at(100.4)) else { panic!() };
     assert!((step_s - 0.0509).abs() < 1e-9);
     // Wheels that were silent for half a second: ten predictions.
-    let Instant::Ahead { n_steps: 10, step_s } = clock.admit(Source::Laser, at(600.4)) else { panic!() };
+    let Instant::Ahead(Steps { n: 10, seconds: step_s }) = clock.admit(Source::Laser, at(600.4)) else { panic!() };
     assert!((step_s - 0.05).abs() < 1e-9);
 }
 
@@ -86,5 +86,5 @@ fn a_resumed_clock_does_not_read_a_period_twice() {
     let mut clock = Clock::scheduled(LATE, Schedule::new(&periods).unwrap(), periods);
     clock.resume(at(0.0), Some(at(1000.0)));
     assert_eq!(clock.admit(Source::Laser, at(1000.0)), Instant::NotDue);
-    assert!(matches!(clock.admit(Source::Laser, at(1500.0)), Instant::Ahead { n_steps: 10, .. }));
+    assert!(matches!(clock.admit(Source::Laser, at(1500.0)), Instant::Ahead(Steps { n: 10, .. })));
 }

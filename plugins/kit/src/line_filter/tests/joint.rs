@@ -20,7 +20,7 @@ fn distance2(state: &State, lines: &[SensedLine], set: &[(usize, usize)]) -> f64
         .iter()
         .flat_map(|(line, wall)| {
             let predicted = PredictedLine::new(&state.robot, &Mount::default(), state.walls[*wall]);
-            predicted.rows(State::column_of(*wall), &lines[*line])
+            predicted.rows(state.column_of(*wall), &lines[*line])
         })
         .collect();
     if rows.is_empty() { 0.0 } else { Update::new(state, &rows).unwrap().distance2() }

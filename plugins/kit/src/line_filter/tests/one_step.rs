@@ -89,7 +89,7 @@ fn updated(vectors: &Value) -> State {
     model(Integration::Euler).predict(&mut state, 0.05);
     let [wheels, steering, line] = [0, 1, 2].map(|k| &vectors["updates"][k]);
     let speeds = numbers(&wheels["y"]);
-    let rows = Wheels::default().rows(&state.robot, [speeds[0], speeds[1]]);
+    let rows = OdometerModel::default().rows(&Wheels::default(), &state, [speeds[0], speeds[1]]);
     check_update(&mut state, &rows, wheels);
     let angle = steering["y"][0].as_f64().unwrap();
     let printed = Steering { model: SteeringModel::SmallAngle, ..Steering::default() };
@@ -99,7 +99,7 @@ fn updated(vectors: &Value) -> State {
     check_update(&mut state, &[row], steering);
     let sighted = sighted(line);
     let predicted = PredictedLine::new(&state.robot, &Mount::default(), state.walls[0]);
-    let rows = predicted.rows(State::column_of(0), &sighted);
+    let rows = predicted.rows(state.column_of(0), &sighted);
     check_update(&mut state, &rows, line);
     state
 }
@@ -200,8 +200,12 @@ fn jacobians_are_finite_differences_on_all_sides() {
             let row = steering.row(&robot, 0.1).unwrap();
             row.entries().for_each(|(at, weight)| close(weight, expected[at], 1e-6, "steering"));
         }
-        let expected = differences(robot, |robot| Wheels::default().expected(robot));
-        for (k, row) in Wheels::default().rows(&robot, [0.0; 2]).iter().enumerate() {
+        let rows = |robot: &Vector5<f64>| {
+            let state = State::new(*robot, &Matrix5::zeros());
+            OdometerModel::default().rows(&Wheels::default(), &state, [0.0; 2])
+        };
+        let expected = differences(robot, |robot| rows(robot).map(|row| -row.innovation));
+        for (k, row) in rows(&robot).iter().enumerate() {
             row.entries().for_each(|(at, weight)| close(weight, expected[(k, at)], 1e-6, "wheels"));
         }
         for wall in [[10.0, 0.1], [-3.0, 3.0], [4.0, -3.1]] {

@@ -75,8 +75,8 @@ fn every_damage_is_refused() {
         assert_eq!(fault(&flipped), SavedFault::Damaged, "{at}");
     }
     let mut newer = bytes.clone();
-    newer[8] = 2;
-    assert_eq!(fault(&summed(newer)), SavedFault::Version { found: 2 });
+    newer[8] = 3;
+    assert_eq!(fault(&summed(newer)), SavedFault::Version { found: 3 });
     let mut longer = bytes.clone();
     longer.extend([0; 8]);
     assert_eq!(fault(&summed(longer)), SavedFault::Damaged);

@@ -30,6 +30,8 @@ fn settings() -> TrackerSettings {
         drive: TRICYCLE,
         start_motion: [0.5, 0.5],
         clock: Clock::new(Span::from_secs(0.1)),
+        look_every: [0.0; 2],
+        odometer: OdometerNoise::default(),
         lost_after_scans: 5,
     }
 }

@@ -23,7 +23,7 @@ fn random_state(n_walls: usize, rng: &mut Xoshiro256PlusPlus) -> State {
 fn random_rows(n_walls: usize, n_seen: usize, rng: &mut Xoshiro256PlusPlus) -> Vec<Row> {
     let mut rows = Vec::new();
     for _ in 0..n_seen {
-        let column = State::column_of(rng.random_range(0..n_walls));
+        let column = ROBOT + 2 * rng.random_range(0..n_walls);
         let mut weights = |columns: [usize; 5]| columns.map(|at| (at, rng.random_range(-2.0..2.0)));
         let [one, other] = [weights([0, 1, 2, column, column + 1]), weights([0, 1, 2, column, column + 1])];
         let one = Row::new(&one, rng.random_range(-0.1..0.1), 2e-3);
