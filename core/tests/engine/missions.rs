@@ -398,7 +398,7 @@ fn an_order_to_go_somewhere_ends_a_scripted_drive() {
         engine.step();
     }
     engine.command(Order::GoTo(vec![Goal {
-        position: rumbo_core::frames::Point2::new(3.0, 1.0),
+        position: Point2::new(3.0, 1.0),
         yaw_rad: None,
     }]));
     let end = engine.run(&mut [], &AtomicBool::new(false));
