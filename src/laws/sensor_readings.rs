@@ -115,6 +115,7 @@ fn hall(subject: &Subject, turn: Turn) -> Result<Box<dyn World>, Trouble> {
     let sim = registry.get(Stage::World, "sim").ok_or_else(|| none("no world `sim`".into()))?;
     let map = subject.props.world(turn).ok_or_else(|| none("its map cannot be written".into()))?;
     let start = TextWorld::hall()?.turned(turn)?.start;
+    let somebody = somebody_beside(start.translation.x, start.translation.y);
     let numbers = [
         ("x_m", start.translation.x),
         ("y_m", start.translation.y),
@@ -122,8 +123,23 @@ fn hall(subject: &Subject, turn: Turn) -> Result<Box<dyn World>, Trouble> {
     ];
     let start = toml::Table::from_iter(numbers.map(|(key, value)| (key.to_owned(), value.into())));
     let map = map.to_string_lossy().into_owned();
-    let keys = toml::Table::from_iter([("map".to_owned(), map.into()), ("start".to_owned(), start.into())]);
+    let mut keys =
+        toml::Table::from_iter([("map".to_owned(), map.into()), ("start".to_owned(), start.into())]);
+    // Kinds of one's own may speak of people; for all others the hall stays as it is.
+    if subject.manifest().produces.contains(&ObservationKind::Custom) {
+        keys.insert("add".to_owned(), somebody.into());
+    }
     built_world(sim, keys, subject).map_err(none)
+}
+
+/// Somebody of the usual name who walks to and fro two meters from here.
+fn somebody_beside(x_m: f64, y_m: f64) -> toml::Table {
+    let route = toml::Value::from(vec![vec![x_m + 2.0, y_m], vec![x_m + 2.0, y_m + 2.0]]);
+    let person = toml::Table::from_iter([
+        ("route".to_owned(), route),
+        ("speed_m_s".to_owned(), toml::Value::from(0.5)),
+    ]);
+    toml::Table::from_iter([("person".to_owned(), toml::Value::from(vec![person]))])
 }
 
 /// A world of the registry, around this sensor's robot.

@@ -397,10 +397,7 @@ fn an_order_to_go_somewhere_ends_a_scripted_drive() {
     for _ in 0..20 {
         engine.step();
     }
-    engine.command(Order::GoTo(vec![Goal {
-        position: Point2::new(3.0, 1.0),
-        yaw_rad: None,
-    }]));
+    engine.command(Order::GoTo(vec![Goal { position: Point2::new(3.0, 1.0), yaw_rad: None }]));
     let end = engine.run(&mut [], &AtomicBool::new(false));
     assert_eq!(end.reason, EndReason::Arrived);
 }
