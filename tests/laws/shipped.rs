@@ -32,17 +32,17 @@ const NOT_APPLICABLE: [(&str, &[&str]); 8] = [
     ("a give_up raised during the search ends it", &["fictitious_charges", "potential_field"]),
     (
         "a world turned or mirrored gives the ranges of the same walls",
-        &["bumper_ring", "mark_camera", "steering_encoder", "wheel_encoders"],
+        &["bumper_ring", "gps", "imu", "mark_camera", "steering_encoder", "wheel_encoders"],
     ),
     (
         "a recording is passed on as it is",
-        &["bumper_ring", "depth_to_scan", "mark_camera", "sonar_ring", "steering_encoder"],
+        &["bumper_ring", "depth_to_scan", "gps", "imu", "mark_camera", "sonar_ring", "steering_encoder"],
     ),
     // Virtual sensors ask no world.
     ("it survives a world that answers nonsense, and goes on", &["depth_to_scan"]),
     ("a world turned or mirrored turns the map with it", &["known_marks", "static_map"]),
     ("a world turned or mirrored turns the estimate with it", &["recorded_pose"]),
-    ("an empty map is named where the map is needed", &["odometry", "recorded_pose"]),
+    ("an empty map is named where the map is needed", &["gps_imu", "odometry", "recorded_pose"]),
 ];
 
 /// Plugins that cannot be without a device, which is not here. `robot` is asked by the tests of its own crate, with an

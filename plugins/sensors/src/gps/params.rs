@@ -35,7 +35,7 @@ pub struct GpsParams {
     pub port: Option<String>,
     /// Speed of the serial port, bits in a second; NMEA 0183 has 4800.
     pub baud: u32,
-    /// A capture of a receiver's sentences, played whatever the world is. Its first fix comes at the start of the run, the
+    /// A capture of a receiver's sentences, played whatever the world is. Its first GGA comes at the start of the run, the
     /// others as much later as their times of day say.
     pub file: Option<PathBuf>,
     /// The place on earth that is the map's origin. Without it: the receiver's first fix.
