@@ -40,7 +40,8 @@ pub fn read(folder: &Path) -> Result<(Intrinsics, Vec<Frame>), Box<dyn Error>> {
     let first = frames.first().ok_or("poses.txt has no pose")?;
     let (width, height) = (first.picture.width, first.picture.height);
     let camera = numbers(&folder.join("intrinsics.txt"), 4)?;
-    let [fx, fy, cx, cy, ..] = camera.first().map(|(_, numbers)| numbers.as_slice()).unwrap_or_default() else {
+    let [fx, fy, cx, cy, ..] = camera.first().map(|(_, numbers)| numbers.as_slice()).unwrap_or_default()
+    else {
         return Err("intrinsics.txt: expected fx fy cx cy".into());
     };
     Ok((Intrinsics { width, height, focal_px: [*fx, *fy], center_px: [*cx, *cy] }, frames))
@@ -53,11 +54,12 @@ fn numbers(path: &Path, n: usize) -> Result<Vec<(usize, Vec<f64>)>, Box<dyn Erro
     lines
         .map(|(number, line)| {
             let place = || format!("{}:{number}", path.display());
-            let found: Vec<f64> = line
-                .split_whitespace()
-                .map_while(|word| word.parse().ok())
-                .collect();
-            if found.len() < n { Err(format!("{}: expected {n} numbers", place()).into()) } else { Ok((number, found)) }
+            let found: Vec<f64> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
+            if found.len() < n {
+                Err(format!("{}: expected {n} numbers", place()).into())
+            } else {
+                Ok((number, found))
+            }
         })
         .collect()
 }
