@@ -7,6 +7,7 @@
 mod avoider_faults;
 mod avoiders;
 mod closed_loop;
+mod depth_picture;
 mod drive;
 mod estimate_faults;
 mod estimates;

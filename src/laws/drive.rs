@@ -1,5 +1,6 @@
 //! A made-up drive through the hall: what its sensors say, and where the robot is in truth.
 
+use super::depth_picture::depth_picture;
 use super::law::Trouble;
 use super::text_world::TextWorld;
 use super::turn::Turn;
@@ -20,7 +21,8 @@ pub const N_FRAMES: usize = 150;
 /// Reach of the laser, meters.
 pub const MAX_RANGE_M: f64 = 15.0;
 /// What a drive has.
-pub const KINDS: [ObservationKind; 5] = [
+pub const KINDS: [ObservationKind; 6] = [
+    ObservationKind::DepthImage,
     ObservationKind::Odometry,
     ObservationKind::LaserScan,
     ObservationKind::RangeRing,
@@ -97,6 +99,7 @@ pub fn frame_at(
             deviation_m: [0.02; 3],
         }),
         Data::Marks(marks(world, &map_from_base)),
+        Data::DepthImage(depth_picture(world, &map_from_base)),
     ];
     let seen = (0..).zip(seen).map(|(sensor, data)| observation(sensor, now, data)).collect();
     Frame { now, map_from_base, odom_from_base, seen }

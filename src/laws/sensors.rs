@@ -100,6 +100,9 @@ fn symmetric(subject: &Subject) -> Verdict {
 }
 
 fn passes_a_recording_on(subject: &Subject) -> Verdict {
+    if subject.manifest().is_virtual {
+        return Err(Trouble::not_applicable("it derives its readings from recorded ones, and plays none"));
+    }
     let name = match subject.manifest().produces.as_slice() {
         [ObservationKind::LaserScan] => "laser scans",
         [ObservationKind::Odometry] => "readings of the odometer",

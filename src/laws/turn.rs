@@ -1,5 +1,6 @@
 //! The same world seen from another side: turned by a quarter, or in the mirror.
 
+use super::depth_picture::mirrored;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Pose2, Twist, pose2, wrap_angle};
 use rumbo_core::map::{Cell, Grid, GridFault, GridHeader};
@@ -114,6 +115,7 @@ impl Turn {
                 *first_bearing_rad = -(*first_bearing_rad + *bearing_step_rad * last);
                 ranges_m.make_mut().reverse();
             }
+            Data::DepthImage(image) => mirrored(image),
             Data::Marks(seen) => seen.marks.iter_mut().for_each(|mark| mark.bearing_rad *= -1.0),
             _ => {}
         }

@@ -26,7 +26,7 @@ fn keep_their_laws(stage: Stage) {
 }
 
 /// Laws that say nothing of plugins that are shipped, and of which; all where no names are given.
-const NOT_APPLICABLE: [(&str, &[&str]); 7] = [
+const NOT_APPLICABLE: [(&str, &[&str]); 8] = [
     ("values outside the ranges of its schema are refused", &[]),
     // Where their search ends by itself before it can be told to.
     ("a give_up raised during the search ends it", &["fictitious_charges", "potential_field"]),
@@ -34,7 +34,12 @@ const NOT_APPLICABLE: [(&str, &[&str]); 7] = [
         "a world turned or mirrored gives the ranges of the same walls",
         &["bumper_ring", "mark_camera", "steering_encoder", "wheel_encoders"],
     ),
-    ("a recording is passed on as it is", &["bumper_ring", "mark_camera", "sonar_ring", "steering_encoder"]),
+    (
+        "a recording is passed on as it is",
+        &["bumper_ring", "depth_to_scan", "mark_camera", "sonar_ring", "steering_encoder"],
+    ),
+    // Virtual sensors ask no world.
+    ("it survives a world that answers nonsense, and goes on", &["depth_to_scan"]),
     ("a world turned or mirrored turns the map with it", &["known_marks", "static_map"]),
     ("a world turned or mirrored turns the estimate with it", &["recorded_pose"]),
     ("an empty map is named where the map is needed", &["odometry", "recorded_pose"]),

@@ -7,6 +7,7 @@ mod at_work;
 mod build;
 mod build_faults;
 mod check;
+mod cloud_cells;
 mod events;
 mod guard;
 mod inbox;

@@ -3,14 +3,17 @@
 //! The way to a standstill at the present speed, `v²/(2·braking) + v·latency`, and a margin, counted from the hull. Only
 //! motion toward what is that near is held back: a robot may always back out or turn away if its hull passes.
 
-use crate::frames::{Point2, Pose2, Twist, flatten};
-use crate::messages::{Data, Observation, SensorId};
+use super::cloud_cells::CloudCells;
+use crate::frames::{Point2, Point3, Pose2, Pose3, Twist, flatten};
+use crate::messages::{Data, Observation, ObservationKind, PointCloud, SensorId};
 use crate::robot::{Hull, Robot};
 
 /// What one sensor last saw nearby.
 #[derive(Debug)]
 struct Near {
     sensor: SensorId,
+    /// A depth camera may give a scan and a cloud.
+    kind: ObservationKind,
     odom_points: Vec<Point2>,
 }
 
@@ -19,7 +22,10 @@ struct Near {
 pub struct StopZone {
     hull: Hull,
     reach_m: f64,
+    /// Heights over the floor at which points of a cloud are in the way, meters.
+    heights_m: [f64; 2],
     near: Vec<Near>,
+    cells: CloudCells,
     base_points: Vec<Point2>,
 }
 
@@ -28,6 +34,8 @@ impl StopZone {
     const STEP_M: f64 = 0.02;
     /// A point that comes nearer by less than this does not count as closing, meters.
     const CLOSING_M: f64 = 1e-4;
+    /// Points of a cloud that are not higher than this are on the floor, meters.
+    const FLOOR_M: f64 = 0.05;
     /// Room for points that is taken up front; more is taken as it is needed, once.
     const ROOM: usize = 1024;
 
@@ -40,17 +48,27 @@ impl StopZone {
             + robot.guard.margin_m
             + robot.max_speed_m_s
             + Self::STEP_M;
-        StopZone { hull, reach_m, near: Vec::with_capacity(64), base_points: Vec::with_capacity(Self::ROOM) }
+        StopZone {
+            hull,
+            reach_m,
+            heights_m: [Self::FLOOR_M, robot.height_m],
+            near: Vec::with_capacity(64),
+            cells: CloudCells::default(),
+            base_points: Vec::with_capacity(Self::ROOM),
+        }
     }
 
-    /// Takes in a reading of a range sensor or bumper; `odom_from_base` is where the base was then.
+    /// Takes in a reading of a range sensor, depth camera or bumper; `odom_from_base` is where the base was then.
     pub fn see(&mut self, observation: &Observation, odom_from_base: &Pose2) {
         let reach_m = self.reach_m;
         let base_from_sensor = flatten(&observation.base_from_sensor);
+        if let Data::PointCloud(cloud) = &observation.data {
+            return self.see_cloud(cloud, observation, odom_from_base);
+        }
         if !matches!(observation.data, Data::LaserScan(_) | Data::RangeRing(_) | Data::Bumpers(_)) {
             return;
         }
-        let odom_points = self.points_of(observation.sensor);
+        let odom_points = self.points_of(observation);
         odom_points.clear();
         let mut keep = |in_sensor: Point2| {
             let in_base = base_from_sensor * in_sensor;
@@ -82,9 +100,30 @@ impl StopZone {
         }
     }
 
-    fn points_of(&mut self, sensor: SensorId) -> &mut Vec<Point2> {
-        let at = self.near.iter().position(|near| near.sensor == sensor).unwrap_or_else(|| {
-            self.near.push(Near { sensor, odom_points: Vec::with_capacity(Self::ROOM) });
+    /// Takes in what of a cloud is near and neither floor nor overhead.
+    fn see_cloud(&mut self, cloud: &PointCloud, observation: &Observation, odom_from_base: &Pose2) {
+        let (reach_m, [lowest_m, highest_m]) = (self.reach_m, self.heights_m);
+        let base_from_sensor: &Pose3 = &observation.base_from_sensor;
+        let mut cells = std::mem::take(&mut self.cells);
+        cells.start(reach_m);
+        let odom_points = self.points_of(observation);
+        odom_points.clear();
+        for point in cloud.points_m.iter() {
+            let in_base = base_from_sensor * Point3::from(point.map(f64::from));
+            let is_in_the_way = in_base.z > lowest_m && in_base.z <= highest_m;
+            // Nothing of this holds for a point that is no number.
+            if is_in_the_way && in_base.coords.xy().norm() <= reach_m && cells.take(in_base.xy()) {
+                odom_points.push(odom_from_base * in_base.xy());
+            }
+        }
+        self.cells = cells;
+    }
+
+    fn points_of(&mut self, observation: &Observation) -> &mut Vec<Point2> {
+        let (sensor, kind) = (observation.sensor, observation.data.kind());
+        let is_same = |near: &Near| near.sensor == sensor && near.kind == kind;
+        let at = self.near.iter().position(is_same).unwrap_or_else(|| {
+            self.near.push(Near { sensor, kind, odom_points: Vec::with_capacity(Self::ROOM) });
             self.near.len() - 1
         });
         &mut self.near[at].odom_points

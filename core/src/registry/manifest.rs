@@ -55,7 +55,7 @@ impl Manifest {
     /// The guard stops the robot when this source grows old: it sees obstacles, or says how the robot moves.
     pub fn is_watched(&self, has_odometer: bool) -> bool {
         self.produces.iter().any(|kind| match kind {
-            ObservationKind::LaserScan | ObservationKind::RangeRing => true,
+            ObservationKind::LaserScan | ObservationKind::RangeRing | ObservationKind::PointCloud => true,
             ObservationKind::Odometry => !has_odometer,
             _ => false,
         })

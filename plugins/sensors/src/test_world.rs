@@ -76,6 +76,21 @@ impl World for TestWorld {
                 self.ranges_m = bearings_rad.iter().map(range_m).collect();
                 Ok(Answer::Ranges(&self.ranges_m))
             }
+            (Probe::Depth { base_from_sensor, intrinsics, .. }, None) => {
+                self.ranges_m = (0..intrinsics.width * intrinsics.height)
+                    .map(|pixel| {
+                        let (row, column) = (pixel / intrinsics.width, pixel % intrinsics.width);
+                        let left = (intrinsics.center_px[0] - f64::from(column)) / intrinsics.focal_px[0];
+                        let up = (intrinsics.center_px[1] - f64::from(row)) / intrinsics.focal_px[1];
+                        let ray = base_from_sensor.rotation * nalgebra::Vector3::new(1.0, left, up);
+                        let floor_m = -base_from_sensor.translation.z / ray.z;
+                        let wall_m = self.wall_x_m / ray.x;
+                        [floor_m, wall_m].into_iter().filter(|m| *m > 0.0).fold(f64::INFINITY, f64::min)
+                            as f32
+                    })
+                    .collect();
+                Ok(Answer::Ranges(&self.ranges_m))
+            }
             (Probe::Marks { .. }, None) => Ok(Answer::Marks(&self.marks)),
             (Probe::Contacts, None) => Ok(Answer::Contacts(&self.contacts_rad)),
             _ => Err(WorldError::Unsupported { probe: probe.name() }),

@@ -1,7 +1,7 @@
 use super::*;
 use crate::boundary::Buffer;
 use crate::frames::Pose3;
-use crate::messages::{Data, LaserScan};
+use crate::messages::{Data, LaserScan, PointCloud};
 use crate::robot::{Drive, SteeredWheel};
 
 const LASER: SensorId = SensorId(0);
@@ -200,4 +200,42 @@ fn what_only_the_last_of_many_dense_scanners_sees_stops_the_robot_too() {
     guard.see(&dense(2, 0.4, 20_000), &Pose2::identity());
     guard.see(&Observation { sensor: SensorId(3), ..hit(20.0, 0.0, 0.22) }, &Pose2::identity());
     assert_eq!(guard.limit(Twist::new(0.3, 0.0), &situation(20.0), &mut events), Twist::ZERO);
+}
+
+/// A camera 0.3 m over the floor, whose cloud has these points of its own frame.
+fn cloud(stamp_s: f64, points_m: &[[f32; 3]]) -> Observation {
+    let data = Data::PointCloud(PointCloud { points_m: points_m.into() });
+    let base_from_sensor = Pose3::translation(0.0, 0.0, 0.3);
+    Observation { base_from_sensor, data, ..hit(stamp_s, 0.0, 1.0) }
+}
+
+#[test]
+fn a_cloud_of_points_stops_the_robot_but_floor_and_what_hangs_overhead_do_not() {
+    let passed = [
+        [0.25, 0.0, -0.3],
+        // Higher than the robot, which is 0.5 m.
+        [0.25, 0.0, 0.25],
+        [f32::NAN; 3],
+        [5.0, 0.0, 0.0],
+    ];
+    let (mut guard, mut events) = driving(Robot::default(), Twist::new(0.3, 0.0));
+    guard.see(&cloud(20.0, &passed), &Pose2::identity());
+    let free = guard.limit(Twist::new(0.3, 0.0), &situation(20.0), &mut events);
+    assert!((free.forward_m_s - 0.3).abs() < 1e-9 && events.is_empty(), "{free:?}");
+    let stopped = [passed.as_slice(), &[[0.22, 0.0, -0.1]]].concat();
+    guard.see(&cloud(20.1, &stopped), &Pose2::identity());
+    assert_eq!(guard.limit(Twist::new(0.3, 0.0), &situation(20.1), &mut events), Twist::ZERO);
+    assert_eq!(kinds(&events), [Intervention::StopZone]);
+}
+
+#[test]
+fn the_scan_and_the_cloud_of_one_camera_both_count() {
+    for order in [[0, 1], [1, 0]] {
+        let (mut guard, mut events) = driving(Robot::default(), Twist::new(0.3, 0.0));
+        for k in order {
+            let seen = if k == 0 { hit(20.0, 0.0, 0.22) } else { cloud(20.0, &[[f32::NAN; 3]]) };
+            guard.see(&seen, &Pose2::identity());
+        }
+        assert_eq!(guard.limit(Twist::new(0.3, 0.0), &situation(20.0), &mut events), Twist::ZERO);
+    }
 }

@@ -33,10 +33,18 @@ pub fn closest(points_m: &[[f32; 3]], n_columns: usize, single_row: Option<usize
     let start = single_row.map_or(0, |row| row.saturating_mul(n_columns));
     let end = single_row.map_or(points_m.len(), |_| start.saturating_add(n_columns));
     let looked_at = points_m.get(start..end).unwrap_or_default();
-    let (least_m2, n_valid) = widest(Nearest(looked_at));
+    // The least square is found piece by piece, so that only one piece is searched for its point.
+    let (mut least_m2, mut first, mut n_valid) = (f32::INFINITY, 0, 0);
+    for (idx, piece) in looked_at.chunks(PIECE).enumerate() {
+        let (piece_m2, n_piece) = widest(Nearest(piece));
+        n_valid += n_piece;
+        if piece_m2 < least_m2 {
+            (least_m2, first) = (piece_m2, idx * PIECE);
+        }
+    }
     let is_least = |[x, y, _]: &[f32; 3]| x * x + y * y == least_m2;
-    let point = looked_at.iter().position(is_least).map(|idx| {
-        let point_m = looked_at[idx];
+    let found = looked_at.iter().enumerate().skip(first).find(|(_, point_m)| is_least(point_m));
+    let point = found.filter(|_| n_valid > 0).map(|(idx, &point_m)| {
         let [x, y] = [point_m[0], point_m[1]].map(f64::from);
         let pixel = start + idx;
         ClosestPoint {
@@ -53,6 +61,8 @@ pub fn closest(points_m: &[[f32; 3]], n_columns: usize, single_row: Option<usize
 /// The least square of the distance (not-a-number where there is no point) and the number of points.
 struct Nearest<'a>(&'a [[f32; 3]]);
 
+/// Points of a piece.
+const PIECE: usize = 4096;
 /// Points that are looked at together.
 const LANES: usize = 32;
 

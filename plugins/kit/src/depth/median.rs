@@ -12,8 +12,6 @@ pub struct MedianFilter {
     rows: [Vec<u16>; 3],
     /// The nine pixels around each pixel of a row.
     window: [Vec<u16>; 9],
-    /// How many of them have no reading.
-    n_without: Vec<u16>,
 }
 
 impl MedianFilter {
@@ -36,7 +34,6 @@ impl MedianFilter {
             row.resize(n_columns + 2, 0);
         }
         self.window.iter_mut().for_each(|pixels| pixels.resize(n_columns, 0));
-        self.n_without.resize(n_columns, 0);
         fill(&mut self.rows[2], rows.next());
         for filtered in filtered.chunks_exact_mut(n_columns) {
             self.rows.rotate_left(1);
@@ -68,15 +65,10 @@ impl Kernel for Row<'_> {
 
     #[inline(always)]
     fn run<V: Vectors>(self) {
-        let MedianFilter { rows, window, n_without } = self.filter;
+        let MedianFilter { rows, window } = self.filter;
         let filtered = self.filtered;
-        n_without.fill(0);
         for (idx, pixels) in window.iter_mut().enumerate() {
-            let from = &rows[idx / 3][idx % 3..idx % 3 + filtered.len()];
-            pixels.copy_from_slice(from);
-            for (n, pixel) in n_without.iter_mut().zip(from) {
-                *n += u16::from(*pixel == 0);
-            }
+            pixels.copy_from_slice(&rows[idx / 3][idx % 3..idx % 3 + filtered.len()]);
         }
         // Nine rounds of neighbors sort nine numbers; pixels without a reading come first.
         for round in 0..9 {
@@ -87,15 +79,16 @@ impl Kernel for Row<'_> {
                 }
             }
         }
-        let middles = &rows[1][1..=filtered.len()];
-        filtered.copy_from_slice(&window[4]);
-        for (place, pixels) in window.iter().enumerate().skip(5) {
-            for ((filtered, pixel), n) in filtered.iter_mut().zip(pixels).zip(n_without.iter()) {
-                // The lower middle one of those with a reading: place n + (8 - n) / 2 where n have none.
-                let wanted = (8 + *n) / 2;
-                *filtered = if wanted == place as u16 { *pixel } else { *filtered };
+        filtered.copy_from_slice(&window[8]);
+        // The lower middle one of those with a reading: place 4 where at most one has none (so that place 1 has one), 5
+        // where at most three have none, and so on.
+        for (seen, place) in [(7, 7), (5, 6), (3, 5), (1, 4)] {
+            let pixels = window[seen].iter().zip(&window[place]);
+            for (filtered, (seen, pixel)) in filtered.iter_mut().zip(pixels) {
+                *filtered = if *seen > 0 { *pixel } else { *filtered };
             }
         }
+        let middles = &rows[1][1..=filtered.len()];
         for (filtered, middle) in filtered.iter_mut().zip(middles) {
             *filtered = if *middle == 0 { 0 } else { *filtered };
         }

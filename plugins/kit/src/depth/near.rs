@@ -2,7 +2,7 @@
 //!
 //! A depth camera has no reading nearer than its least distance, and a robot stops at about that distance: what is nearest
 //! vanishes from the picture just where it matters. Regions of the picture that lost their readings after they had been
-//! near are therefore taken for occupied, at the nearest place to which the robot can have driven since.
+//! near are therefore taken for occupied: where they were last, or as near as they can have come since.
 
 use super::{HeightBand, Rays, SizeMismatch};
 

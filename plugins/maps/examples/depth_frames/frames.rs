@@ -47,8 +47,11 @@ pub fn read(folder: &Path) -> Result<(Intrinsics, Vec<Frame>), Box<dyn Error>> {
     Ok((Intrinsics { width, height, focal_px: [*fx, *fy], center_px: [*cx, *cy] }, frames))
 }
 
+/// A line's number, and the numbers in it.
+type Row = (usize, Vec<f64>);
+
 /// The numbers of each line that has some, and the line's number; at least `n` in each.
-fn numbers(path: &Path, n: usize) -> Result<Vec<(usize, Vec<f64>)>, Box<dyn Error>> {
+fn numbers(path: &Path, n: usize) -> Result<Vec<Row>, Box<dyn Error>> {
     let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     lines

@@ -58,11 +58,14 @@ pub struct KinectParams {
     /// After so many of them in a row the camera is blind: observations are not valid.
     pub blind_frames: u32,
     /// Regions of the picture that lose their readings after they were nearer than `near_margin_m` beyond the least
-    /// distance count as occupied, as near as the robot can have come since. A reading of their own or below them frees
-    /// them.
+    /// distance count as occupied, where they were last. A reading of their own or below them frees them.
     pub near_is_occupied: bool,
     /// See `near_is_occupied`, meters.
     pub near_margin_m: f64,
+    /// How fast such a region is taken to come nearer, down to the near plane, m/s. 0 leaves it where it was, and the
+    /// robot must stop there; with the robot's speed it is as near as the robot can have come, and whoever stands before
+    /// it does not pass.
+    pub near_closing_m_s: f64,
     /// Simulated depths in their steps without any error.
     pub exact: bool,
     /// Standard deviation of a simulated depth, meters: its constant part.
@@ -133,6 +136,7 @@ impl Default for KinectParams {
             blind_frames: 5,
             near_is_occupied: true,
             near_margin_m: 0.25,
+            near_closing_m_s: 0.0,
             exact: false,
             deviation_m: 0.001,
             deviation_per_m: 0.0015,
@@ -188,6 +192,7 @@ impl Params for KinectParams {
             ("deviation_m", self.deviation_m),
             ("deviation_per_m", self.deviation_per_m),
             ("near_margin_m", self.near_margin_m),
+            ("near_closing_m_s", self.near_closing_m_s),
         ] {
             number(value >= 0.0, key, value, "0 or more");
         }

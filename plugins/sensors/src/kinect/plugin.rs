@@ -66,7 +66,7 @@ impl Plugin<dyn Sensor> for KinectParams {
             slice_rows: self.slice_rows.map(|n| n as usize),
             has_median: self.median,
             near_m: self.near_is_occupied.then(|| self.least_m().max(self.near_plane_m) + self.near_margin_m),
-            closing_m_s: context.robot.max_speed_m_s,
+            closing_m_s: self.near_closing_m_s,
             gives_scan: self.gives.contains(&Given::LaserScan),
             gives_points: self.gives.contains(&Given::PointCloud),
             gives_picture: self.gives.contains(&Given::DepthImage),
@@ -111,6 +111,12 @@ impl Sensor for Kinect {
                 let image =
                     DepthImage { intrinsics: self.camera, unit_m: self.device.unit_m as f32, depth };
                 let seen = self.eye.see(cx.now, &image, out);
+                if !self.gives.contains(&Given::DepthImage) {
+                    // Nobody else has the picture: its memory serves the next one.
+                    let Seat { sensor, base_from_sensor, .. } = self.seat;
+                    let data = Data::DepthImage(image);
+                    out.recycle(Observation { sensor, stamp: cx.now, base_from_sensor, valid: true, data });
+                }
                 seen.map_err(told)
             }
             Answer::Live => Err(SensorError::Device {

@@ -96,14 +96,26 @@ impl Kernel for Turn<'_> {
             .zip(rays.up());
         for (((lengths, rises), beams), up) in rows {
             let of_row = direction(&level_from_camera, 0.0, *up);
-            let pixels = lengths.iter_mut().zip(rises).zip(beams).zip(rays.left());
-            for (((length, rise), beam), left) in pixels {
-                let [x, y, z] = [0, 1, 2].map(|axis| of_row[axis] + of_left[axis] * left);
-                let square = (x * x + y * y) as f32;
-                (*length, *rise) = (square.sqrt(), z as f32);
-                let beam_at = uniform_beam(angle_rad(y, x), first_bearing_rad, beams_per_rad, n_beams);
-                // Beams are at most `Beams::MOST`; through a signed number it is one instruction.
-                *beam = beam_at as i32 as u16;
+            let chunks = lengths
+                .chunks_mut(LANES)
+                .zip(rises.chunks_mut(LANES))
+                .zip(beams.chunks_mut(LANES))
+                .zip(rays.left().chunks(LANES));
+            for (((lengths, rises), beams), lefts) in chunks {
+                // Two loops where one would do: beams are narrow numbers, and would keep the rest from going abreast.
+                let mut bearings_rad = [0.0; LANES];
+                let pixels = lengths.iter_mut().zip(rises).zip(&mut bearings_rad).zip(lefts);
+                for (((length, rise), bearing_rad), left) in pixels {
+                    let [x, y, z] = [0, 1, 2].map(|axis| of_row[axis] + of_left[axis] * left);
+                    let square = (x * x + y * y) as f32;
+                    (*length, *rise) = (square.sqrt(), z as f32);
+                    *bearing_rad = angle_rad(y, x);
+                }
+                for (beam, bearing_rad) in beams.iter_mut().zip(&bearings_rad) {
+                    let place = uniform_beam(*bearing_rad, first_bearing_rad, beams_per_rad, n_beams);
+                    // Beams are at most `Beams::MOST`; through a signed number it is one instruction.
+                    *beam = place as i32 as u16;
+                }
             }
         }
     }

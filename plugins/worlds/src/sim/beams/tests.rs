@@ -4,6 +4,8 @@ use rumbo_kit::world_file::parse_world;
 
 use super::*;
 
+mod pictures;
+
 fn place(text: &str) -> Place {
     Place::new(&parse_world(text, std::path::Path::new("test.toml")).unwrap(), None)
 }
