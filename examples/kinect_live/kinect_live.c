@@ -55,7 +55,9 @@ typedef struct {
     char name[128];
     char library[512];
     rumbo_pose3 base_from_sensor;
+    /* Of the picture that is shown: every so many columns and rows of the device's. */
     rumbo_intrinsics intrinsics;
+    uint32_t every;
     int64_t index;
     double silence_s;
     bool is_dry;
@@ -232,6 +234,27 @@ static uint16_t *writable(rumbo_u16_array array)
     return (uint16_t *)(uintptr_t)array.data;
 }
 
+static size_t n_shown(const kinect *self)
+{
+    return (size_t)self->intrinsics.width * self->intrinsics.height;
+}
+
+/* The first column and row that is shown: the middle ones of the first `every`. */
+static uint32_t first_shown(uint32_t every)
+{
+    return (every - 1) / 2;
+}
+
+static void thin_out(const kinect *self, const uint16_t *from, uint16_t *to)
+{
+    uint32_t first = first_shown(self->every);
+    for (uint32_t row = 0; row < self->intrinsics.height; row++) {
+        const uint16_t *pixels = from + (size_t)(row * self->every + first) * COLUMNS + first;
+        for (uint32_t column = 0; column < self->intrinsics.width; column++)
+            *to++ = pixels[column * self->every];
+    }
+}
+
 /* Everything that arrived since the last time. The lock is held only while one picture is copied. */
 static int32_t poll_device(kinect *self, const rumbo_call *call, rumbo_observations *out, rumbo_error *error)
 {
@@ -241,14 +264,14 @@ static int32_t poll_device(kinect *self, const rumbo_call *call, rumbo_observati
     uint64_t n_dropped;
     int32_t status = RUMBO_OK;
     for (size_t k = 0; k < N_QUEUED && status == RUMBO_OK; k++) {
-        rumbo_u16_array depth = self->host->lend_u16(out, N_PIXELS);
+        rumbo_u16_array depth = self->host->lend_u16(out, n_shown(self));
         int64_t age_ns = -1;
         if (depth.data == NULL)
             return rumbo_fail(error, RUMBO_ERROR, "there is no memory for a picture");
         pthread_mutex_lock(&device->lock);
         if (device->len > 0) {
             const picture *oldest = &device->queue[device->first];
-            memcpy(writable(depth), oldest->counts, sizeof oldest->counts);
+            thin_out(self, oldest->counts, writable(depth));
             age_ns = clock_ns() - oldest->arrived_ns;
             device->first = (device->first + 1) % N_QUEUED;
             device->len--;
@@ -288,12 +311,12 @@ static int32_t poll_simulation(const kinect *self, const rumbo_call *call, const
                                rumbo_observations *out, rumbo_error *error)
 {
     rumbo_u16_array depth;
-    if (answer->n_ranges != N_PIXELS)
-        return rumbo_fail(error, RUMBO_ERROR, "the world answers %zu depths, expected %d", answer->n_ranges, N_PIXELS);
-    depth = self->host->lend_u16(out, N_PIXELS);
+    if (answer->n_ranges != n_shown(self))
+        return rumbo_fail(error, RUMBO_ERROR, "the world answers %zu depths, expected %zu", answer->n_ranges, n_shown(self));
+    depth = self->host->lend_u16(out, n_shown(self));
     if (depth.data == NULL)
         return rumbo_fail(error, RUMBO_ERROR, "there is no memory for a picture");
-    for (size_t k = 0; k < N_PIXELS; k++) {
+    for (size_t k = 0; k < n_shown(self); k++) {
         float depth_m = answer->ranges_m[k];
         writable(depth)[k] = depth_m > 0.0f && depth_m <= (float)MAX_RANGE_M ? (uint16_t)(depth_m / UNIT_M + 0.5f) : 0;
     }
@@ -394,6 +417,7 @@ static int32_t create(const rumbo_entry *entry, const rumbo_host *host, const ru
     static const char *const NUMBERS[] = { "focal_x_px", "focal_y_px", "center_x_px", "center_y_px", "silence_s" };
     double numbers[5] = { 0.0 };
     rumbo_str library = { NULL, 0 };
+    int64_t every = 1;
     kinect *self;
     (void)entry;
     for (size_t k = 0; k < 5; k++) {
@@ -403,17 +427,23 @@ static int32_t create(const rumbo_entry *entry, const rumbo_host *host, const ru
     if ((self = calloc(1, sizeof *self)) == NULL)
         return rumbo_fail(error, RUMBO_ERROR, "there is no memory");
     self->host = host;
-    self->intrinsics = (rumbo_intrinsics){ COLUMNS, ROWS, { numbers[0], numbers[1] }, { numbers[2], numbers[3] } };
     self->silence_s = numbers[4];
     self->base_from_sensor = context->base_from_sensor;
     self->is_dry = context->dry_run != 0;
     snprintf(self->name, sizeof self->name, "%.*s", (int)context->name.len, context->name.data);
     if (host->config_i64(config, RUMBO_STR("index"), &self->index) != RUMBO_OK
+        || host->config_i64(config, RUMBO_STR("every"), &every) != RUMBO_OK || every < 1 || every > 16
         || host->config_str(config, RUMBO_STR("library"), &library) != RUMBO_OK || library.len >= sizeof self->library) {
         free(self);
-        snprintf(error->path, sizeof error->path, "library");
-        return rumbo_fail(error, RUMBO_BAD_CONFIG, "is missing or longer than a path");
+        return rumbo_fail(error, RUMBO_BAD_CONFIG, "index, every and library: expected what the schema says");
     }
+    self->every = (uint32_t)every;
+    self->intrinsics = (rumbo_intrinsics){
+        COLUMNS / self->every,
+        ROWS / self->every,
+        { numbers[0] / (double)every, numbers[1] / (double)every },
+        { (numbers[2] - first_shown(self->every)) / (double)every, (numbers[3] - first_shown(self->every)) / (double)every },
+    };
     snprintf(self->library, sizeof self->library, "%.*s", (int)library.len, library.data != NULL ? library.data : "");
     *instance = self;
     return RUMBO_OK;
@@ -439,6 +469,8 @@ static const rumbo_entry kinect_live_entry = {
         "{ \"type\": \"object\", \"additionalProperties\": false, \"properties\": {"
         "  \"index\": { \"type\": \"integer\", \"default\": 0, \"minimum\": 0, \"maximum\": 15,"
         "    \"description\": \"Which Kinect, counted from 0 as libfreenect finds them.\" },"
+        "  \"every\": { \"type\": \"integer\", \"default\": 4, \"minimum\": 1, \"maximum\": 16,"
+        "    \"description\": \"Every so many columns and rows of the 640 x 480 are shown.\" },"
         "  \"library\": { \"type\": \"string\", \"default\": \"\","
         "    \"description\": \"File of libfreenect_sync; without it the system's.\" },"
         "  \"silence_s\": { \"type\": \"number\", \"default\": 2.0, \"minimum\": 0.05, \"maximum\": 60.0,"

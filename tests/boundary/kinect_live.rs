@@ -33,20 +33,28 @@ fn library() -> &'static Path {
     })
 }
 
+/// The recorded pictures as they are.
+fn recorded() -> Vec<Vec<u16>> {
+    let folder = compiler::root().join("pipelines/logs/laboratory_frames");
+    let frames = rumbo_kit::tum_rgbd::read_folder(&folder).unwrap().frames;
+    let counts = frames.iter().take(N_FRAMES).map(|frame| read_depth(&frame.path, DepthEncoding::Gray16));
+    counts.map(|picture| picture.unwrap().counts).collect()
+}
+
 /// The recorded pictures, each pixel repeated until the picture has the size of the device's.
 fn frames() -> &'static [Vec<u16>] {
     static FRAMES: OnceLock<Vec<Vec<u16>>> = OnceLock::new();
     FRAMES.get_or_init(|| {
-        let folder = compiler::root().join("pipelines/logs/laboratory_frames");
-        let recorded = rumbo_kit::tum_rgbd::read_folder(&folder).unwrap().frames;
-        let enlarged = |frame: &rumbo_kit::tum_rgbd::DepthFrame| {
-            let picture = read_depth(&frame.path, DepthEncoding::Gray16).unwrap();
-            let (width, n) = (picture.width as usize, COLUMNS / picture.width as usize);
-            let pixel = |idx: usize| picture.counts[idx / COLUMNS / n * width + idx % COLUMNS / n];
+        const N: usize = 4;
+        let enlarged = |counts: &Vec<u16>| {
+            let pixel = |idx: usize| counts[idx / COLUMNS / N * (COLUMNS / N) + idx % COLUMNS / N];
             (0..COLUMNS * ROWS).map(pixel).collect()
         };
-        let frames: Vec<Vec<u16>> = recorded.iter().take(N_FRAMES).map(enlarged).collect();
-        assert!(frames.windows(2).all(|pair| pair[0] != pair[1]), "pictures are told apart by what they show");
+        let frames: Vec<Vec<u16>> = recorded().iter().map(enlarged).collect();
+        assert!(
+            frames.windows(2).all(|pair| pair[0] != pair[1]),
+            "pictures are told apart by what they show"
+        );
         frames
     })
 }
@@ -88,7 +96,8 @@ impl World for Live {
 fn sensor(keys: &str, dry_run: bool) -> Box<dyn Sensor> {
     let mut registry = Registry::default();
     registry.load(library(), None).unwrap();
-    let configured = registry.get(Stage::Sensor, "kinect_live").unwrap().source.parse(toml::from_str(keys).unwrap());
+    let configured =
+        registry.get(Stage::Sensor, "kinect_live").unwrap().source.parse(toml::from_str(keys).unwrap());
     let base_from_sensor = Pose3::translation(0.1, 0.0, 0.4);
     let context = BuildContext { base_from_sensor, dry_run, ..BuildContext::bare("camera") };
     match configured.unwrap().build(&context).unwrap() {
@@ -108,7 +117,8 @@ fn poll(sensor: &mut dyn Sensor) -> Result<(Vec<Observation>, f64), SensorError>
     let (trace, mut out) = (Trace::watched(), Observations::default());
     let mut cx = Cx { now: Time::from_secs(NOW_S), trace: &trace };
     sensor.poll(&mut cx, &mut Live, &mut out)?;
-    let dropped = trace.take().1.iter().find(|(name, _)| *name == "dropped_pictures").map_or(0.0, |(_, n)| *n);
+    let dropped =
+        trace.take().1.iter().find(|(name, _)| *name == "dropped_pictures").map_or(0.0, |(_, n)| *n);
     Ok((std::iter::from_fn(|| out.pop_front()).collect(), dropped))
 }
 
@@ -141,7 +151,7 @@ fn poll_until(
 
 #[test]
 fn recorded_pictures_come_through_to_the_count_and_in_their_order() {
-    let mut sensor = with(&fake("pictures", &["-DPACE_MS=15"]), "focal_x_px = 600.0");
+    let mut sensor = with(&fake("pictures", &["-DPACE_MS=15"]), "every = 1\nfocal_x_px = 600.0");
     let (mut seen, mut stamps): (Vec<usize>, Vec<Time>) = (Vec::new(), Vec::new());
     poll_until(sensor.as_mut(), |polled| {
         for observation in polled.unwrap().0 {
@@ -159,6 +169,23 @@ fn recorded_pictures_come_through_to_the_count_and_in_their_order() {
     // Pictures may be dropped where this test was held up, but none comes twice or before its time.
     let steps: Vec<usize> = seen.windows(2).map(|pair| (pair[1] + N_FRAMES - pair[0]) % N_FRAMES).collect();
     assert!(steps.iter().all(|step| *step > 0), "{seen:?}");
+}
+
+#[test]
+fn a_picture_of_every_fourth_column_and_row_looks_the_same_way() {
+    let (mut sensor, recorded) = (with(&fake("every", &["-DPACE_MS=5"]), ""), recorded());
+    poll_until(sensor.as_mut(), |polled| {
+        let (seen, _) = polled.unwrap();
+        for observation in &seen {
+            let image = image(observation);
+            let camera = &image.intrinsics;
+            assert_eq!((camera.width, camera.height), (160, 120));
+            // Column 1 of the device is the first one that is shown, and the middle one stays where it looks.
+            assert_eq!((camera.focal_px, camera.center_px), ([589.4 / 4.0; 2], [318.5 / 4.0, 238.5 / 4.0]));
+            assert!(recorded.iter().any(|counts| counts.as_slice() == image.depth.as_slice()));
+        }
+        !seen.is_empty()
+    });
 }
 
 #[test]
@@ -195,7 +222,7 @@ fn without_a_device_or_its_library_the_error_says_what_to_do() {
 #[test]
 fn a_device_that_was_unplugged_is_told_and_comes_back() {
     let library = fake("unplugged", &["-DPACE_MS=5", "-DUNPLUG_AT=6", "-DN_UNPLUGGED=2"]);
-    let mut sensor = with(&library, "");
+    let mut sensor = with(&library, "every = 1");
     let (mut n_before, mut n_failures, mut n_after) = (0, 0, 0);
     poll_until(sensor.as_mut(), |polled| {
         match polled {
@@ -217,7 +244,7 @@ fn a_host_that_comes_late_gets_the_newest_pictures_and_knows_how_many_it_missed(
     let mark = compiler::folder("kinect_late").join("hangs");
     let hangs = format!("-DHANGS=\"{}\"", mark.display());
     let library = fake("late", &["-DPACE_MS=0", "-DHANG_AT=11", hangs.as_str()]);
-    let mut sensor = with(&library, "silence_s = 60.0");
+    let mut sensor = with(&library, "every = 1\nsilence_s = 60.0");
     let (mut seen, _) = poll(sensor.as_mut()).unwrap();
     poll_until(sensor.as_mut(), |polled| {
         seen.extend(polled.unwrap().0);
@@ -262,7 +289,11 @@ fn a_check_touches_no_device() {
 
 /// Runs the built command where the library is found.
 fn rumbo(arguments: &[&str]) -> String {
-    let out = Command::new(env!("CARGO_BIN_EXE_rumbo")).current_dir(compiler::root()).args(arguments).output().unwrap();
+    let out = Command::new(env!("CARGO_BIN_EXE_rumbo"))
+        .current_dir(compiler::root())
+        .args(arguments)
+        .output()
+        .unwrap();
     assert!(out.status.success(), "{arguments:?}\n{}", String::from_utf8_lossy(&out.stderr));
     String::from_utf8(out.stdout).unwrap()
 }
@@ -284,9 +315,9 @@ fn a_robot_drives_by_what_it_sees_in_the_simulator() {
 #[test]
 fn it_keeps_the_laws_of_sensors_and_describes_itself() {
     let library = library().to_str().unwrap();
-    rumbo(&["plugins", "verify", library]);
+    rumbo(&["plugins", "verify", library, "--set", "every=16"]);
     let described = rumbo(&["plugins", "describe", "kinect_live", "--plugin", library]);
-    for expected in ["silence_s (number, s) = 2", "depth_image"] {
+    for expected in ["silence_s (number, s) = 2.0", "depth_image", "every (whole number) = 4"] {
         assert!(described.contains(expected), "{expected}:\n{described}");
     }
 }

@@ -156,7 +156,10 @@ mod tests {
             let (points, floor) = room(&mut rng);
             let fit = largest_plane(&points, &SEARCH, &mut rng).unwrap();
             let off_rad = fit.plane.normal.angle(&floor.normal);
-            assert!(off_rad < 0.003 && (fit.plane.offset_m - floor.offset_m).abs() < 0.005, "{seed}: {fit:?}");
+            assert!(
+                off_rad < 0.003 && (fit.plane.offset_m - floor.offset_m).abs() < 0.005,
+                "{seed}: {fit:?}"
+            );
             assert!((2000..2200).contains(&fit.n_near), "{fit:?}");
             // Evenly spread noise of ±1 cm has a deviation of 1 cm / √3; the points that are anywhere add some.
             assert!((0.0055..0.009).contains(&fit.deviation_m), "{fit:?}");

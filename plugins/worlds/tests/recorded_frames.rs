@@ -70,10 +70,8 @@ fn recorded_points_lie_on_the_walls_and_the_floor_of_the_room() {
     std::fs::create_dir_all(&folder.0).unwrap();
     let world = folder.0.join("room.toml");
     std::fs::write(&world, ROOM).unwrap();
-    let mount =
-        PlaceInSpace { x_m: 0.2, y_m: -0.1, z_m: 0.6, roll_deg: 3.0, pitch_deg: 15.0, yaw_deg: 20.0 };
-    let intrinsics =
-        Intrinsics { width: 40, height: 30, focal_px: [36.0, 37.0], center_px: [19.0, 15.5] };
+    let mount = PlaceInSpace { x_m: 0.2, y_m: -0.1, z_m: 0.6, roll_deg: 3.0, pitch_deg: 15.0, yaw_deg: 20.0 };
+    let intrinsics = Intrinsics { width: 40, height: 30, focal_px: [36.0, 37.0], center_px: [19.0, 15.5] };
     for encoding in [DepthEncoding::Gray16, DepthEncoding::TwoChannel] {
         let recorder = recorder::Recorder {
             world: world.clone(),
@@ -110,7 +108,8 @@ fn recorded_points_lie_on_the_walls_and_the_floor_of_the_room() {
                 n_pictures += 1;
                 for point in points_m(image, &(map_from_base * mount.pose())) {
                     let walls = [point.x, 6.0 - point.x, point.y, 4.0 - point.y, point.z];
-                    let off_m = walls.into_iter().fold(f64::INFINITY, |least, wall_m| least.min(wall_m.abs()));
+                    let off_m =
+                        walls.into_iter().fold(f64::INFINITY, |least, wall_m| least.min(wall_m.abs()));
                     assert!(off_m < 0.003, "{point} is {off_m} m from walls and floor");
                     n_points += 1;
                 }
@@ -150,9 +149,9 @@ fn the_shipped_frames_are_what_the_program_writes() {
     }
     let read = |folder: &Path| {
         let frames = rumbo_kit::tum_rgbd::read_folder(folder).unwrap().frames;
-        let pictures = frames.iter().map(|frame| {
-            rumbo_kit::depth_file::read_depth(&frame.path, DepthEncoding::Gray16).unwrap()
-        });
+        let pictures = frames
+            .iter()
+            .map(|frame| rumbo_kit::depth_file::read_depth(&frame.path, DepthEncoding::Gray16).unwrap());
         pictures.collect::<Vec<_>>()
     };
     let (ours, committed) = (read(&folder.0), read(&shipped));

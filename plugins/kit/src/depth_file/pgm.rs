@@ -3,8 +3,8 @@
 use std::io::{BufRead, Read};
 use std::path::Path;
 
-use super::picture::{DepthPicture, checked_size};
 use super::DepthFileError;
+use super::picture::{DepthPicture, checked_size};
 use crate::map_file::pixels::next_number;
 
 /// Reads a picture from the start of its file.

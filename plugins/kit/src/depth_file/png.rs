@@ -6,8 +6,8 @@ use std::path::Path;
 use image::codecs::png::PngDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder};
 
-use super::picture::{DepthEncoding, DepthPicture, checked_size};
 use super::DepthFileError;
+use super::picture::{DepthEncoding, DepthPicture, checked_size};
 
 /// Five bits in the red channel.
 pub(super) const MOST_RED: u8 = 31;

@@ -92,7 +92,11 @@ fn pictures_of_another_kind_are_named() {
         ("two_channel_4x2.png", DepthEncoding::Gray16, "3 channels of 8 bits, expected one channel of 16"),
         ("gray16_3x2.png", DepthEncoding::TwoChannel, "one channel of 16 bits, expected red and green"),
         ("two_channel_bad_1x2.png", DepthEncoding::TwoChannel, "column 0, row 1: the red channel is 32, exp"),
-        ("dc_depth_decode.csv", DepthEncoding::Gray16, "begins with \"red,\", expected a PNG or a binary PGM"),
+        (
+            "dc_depth_decode.csv",
+            DepthEncoding::Gray16,
+            "begins with \"red,\", expected a PNG or a binary PGM",
+        ),
         ("huge_header.png", DepthEncoding::Gray16, "is 100000 x 100000 pixels, expected"),
         ("missing.png", DepthEncoding::Gray16, "cannot read the depth picture"),
         (".", DepthEncoding::Gray16, "this is not a file"),

@@ -7,9 +7,9 @@ use std::path::Path;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
+use super::DepthFileError;
 use super::picture::{DepthEncoding, DepthPicture, MOST_PIXELS};
 use super::png::MOST_RED;
-use super::DepthFileError;
 
 /// Writes a picture: PGM where the name ends in `.pgm`, else PNG.
 ///
@@ -40,9 +40,8 @@ pub fn write_depth(
     let file = File::create(path).map_err(|error| unwritable(error.to_string()))?;
     let mut file = BufWriter::new(file);
     if is_pgm {
-        let written = write!(file, "P5\n{width} {height}\n65535\n").and_then(|()| {
-            counts.iter().try_for_each(|count| file.write_all(&count.to_be_bytes()))
-        });
+        let written = write!(file, "P5\n{width} {height}\n65535\n")
+            .and_then(|()| counts.iter().try_for_each(|count| file.write_all(&count.to_be_bytes())));
         written.map_err(|error| unwritable(error.to_string()))?;
     } else {
         let (bytes, color): (Vec<u8>, _) = match encoding {

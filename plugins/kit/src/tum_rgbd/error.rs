@@ -38,7 +38,9 @@ pub enum RgbdError {
     #[error(transparent)]
     Picture(#[from] DepthFileError),
     /// A picture's stamp is that of the one before it, or earlier.
-    #[error("a picture of {stamp_s:.6} s comes after one of {last_s:.6} s; stamps of a folder are microseconds that go up")]
+    #[error(
+        "a picture of {stamp_s:.6} s comes after one of {last_s:.6} s; stamps of a folder are microseconds that go up"
+    )]
     Order {
         /// Its stamp.
         stamp_s: f64,

@@ -5,8 +5,8 @@ use std::path::{Component, Path, PathBuf};
 use rumbo_core::time::{Span, Time};
 
 use super::error::RgbdError;
-use crate::log_file::{FaultKind, words::Words, words::shown};
 use crate::log_file::LineFault;
+use crate::log_file::{FaultKind, words::Words, words::shown};
 use crate::mrclam::MrclamError;
 use crate::mrclam::order::{Stamped, sorted};
 use crate::mrclam::table;
@@ -156,7 +156,8 @@ fn read_accelerations(path: PathBuf, read: &mut RgbdFolder) -> Result<(), RgbdEr
     read.accelerations_m_s2.dedup_by_key(|(stamp, _)| *stamp);
     let n_repeated = n - read.accelerations_m_s2.len();
     if n_repeated > 0 {
-        read.sentences.push(format!("{name}: left out {n_repeated} rows with the stamp of the row before them"));
+        read.sentences
+            .push(format!("{name}: left out {n_repeated} rows with the stamp of the row before them"));
     }
     Ok(())
 }

@@ -71,7 +71,8 @@ fn what_is_written_comes_back() {
         assert!(!is_folder(&folder));
         let mut writer = FolderWriter::create(&folder, encoding).unwrap();
         let pose = |k: i64| {
-            let place = PlaceInSpace { x_m: k as f64, pitch_deg: 10.0, yaw_deg: -20.0, ..PlaceInSpace::default() };
+            let place =
+                PlaceInSpace { x_m: k as f64, pitch_deg: 10.0, yaw_deg: -20.0, ..PlaceInSpace::default() };
             place.pose() * camera_from_optical()
         };
         let stamp = |k: i64| Time(1_305_031_453_000_000_000 + k * 33_333_000);

@@ -153,7 +153,9 @@ impl RecordedPoseParams {
 fn after(origin: Time, path: &Path, track: PoseTrack) -> Result<PoseTrack, BuildError> {
     let Some((last, _)) = track.last().filter(|(last, _)| *last < origin) else { return Ok(track) };
     let (last_s, origin_s) = (last.as_secs(), origin.as_secs());
-    let message =
-        format!("{}: the last pose is of {last_s:.6} s, but the log begins at {origin_s:.6} s", path.display());
+    let message = format!(
+        "{}: the last pose is of {last_s:.6} s, but the log begins at {origin_s:.6} s",
+        path.display()
+    );
     Err(BuildError::at("file", message).help("stamps of poses are absolute, as in the log"))
 }

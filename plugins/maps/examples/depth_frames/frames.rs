@@ -40,24 +40,29 @@ pub fn read(folder: &Path) -> Result<(Intrinsics, Vec<Frame>), Box<dyn Error>> {
     let first = frames.first().ok_or("poses.txt has no pose")?;
     let (width, height) = (first.picture.width, first.picture.height);
     let camera = numbers(&folder.join("intrinsics.txt"), 4)?;
-    let [fx, fy, cx, cy, ..] = camera.first().map(|(_, numbers)| numbers.as_slice()).unwrap_or_default() else {
+    let [fx, fy, cx, cy, ..] = camera.first().map(|(_, numbers)| numbers.as_slice()).unwrap_or_default()
+    else {
         return Err("intrinsics.txt: expected fx fy cx cy".into());
     };
     Ok((Intrinsics { width, height, focal_px: [*fx, *fy], center_px: [*cx, *cy] }, frames))
 }
 
+/// A line's number, and the numbers in it.
+type Row = (usize, Vec<f64>);
+
 /// The numbers of each line that has some, and the line's number; at least `n` in each.
-fn numbers(path: &Path, n: usize) -> Result<Vec<(usize, Vec<f64>)>, Box<dyn Error>> {
+fn numbers(path: &Path, n: usize) -> Result<Vec<Row>, Box<dyn Error>> {
     let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     lines
         .map(|(number, line)| {
             let place = || format!("{}:{number}", path.display());
-            let found: Vec<f64> = line
-                .split_whitespace()
-                .map_while(|word| word.parse().ok())
-                .collect();
-            if found.len() < n { Err(format!("{}: expected {n} numbers", place()).into()) } else { Ok((number, found)) }
+            let found: Vec<f64> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
+            if found.len() < n {
+                Err(format!("{}: expected {n} numbers", place()).into())
+            } else {
+                Ok((number, found))
+            }
         })
         .collect()
 }

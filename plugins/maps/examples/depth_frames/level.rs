@@ -45,12 +45,8 @@ pub fn level(rays: &Rays, frames: &[Frame]) -> Option<Level> {
         }
     }
     let ups = frames.iter().map(|frame| world_from_camera(frame).rotation * Vector3::z());
-    let search = PlaneSearch {
-        tolerance_m: 0.02,
-        n_trials: 4000,
-        about: ups.sum(),
-        within_rad: 30_f64.to_radians(),
-    };
+    let search =
+        PlaneSearch { tolerance_m: 0.02, n_trials: 4000, about: ups.sum(), within_rad: 30_f64.to_radians() };
     let fit = largest_plane(&points_m, &search, &mut stream(1, "level"))?;
     let up = fit.plane.normal;
     let mut heights_m: Vec<f64> = points_m.iter().map(|point| up.dot(point)).collect();

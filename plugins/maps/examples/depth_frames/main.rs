@@ -63,9 +63,15 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn print_cameras(frames: &[Frame], map_from_camera: impl Fn(&Frame) -> Pose3) {
     let poses: Vec<Pose3> = frames.iter().map(map_from_camera).collect();
     let heights_m = poses.iter().map(|pose| pose.translation.z).collect();
-    let angles = |k: usize| poses.iter().map(move |pose| <[f64; 3]>::from(pose.rotation.euler_angles())[k].to_degrees());
+    let angles = |k: usize| {
+        poses.iter().map(move |pose| <[f64; 3]>::from(pose.rotation.euler_angles())[k].to_degrees())
+    };
     println!("camera height: {} m", spread(heights_m));
-    println!("camera roll: {} degrees, pitch: {} degrees", spread(angles(0).collect()), spread(angles(1).collect()));
+    println!(
+        "camera roll: {} degrees, pitch: {} degrees",
+        spread(angles(0).collect()),
+        spread(angles(1).collect())
+    );
 }
 
 /// Least, median and largest.
@@ -87,7 +93,9 @@ fn agreement(rays: &Rays, camera: &Intrinsics, frames: &[Frame]) {
                 * b.world_from_optical.inverse()
                 * a.world_from_optical
                 * camera_from_optical().inverse();
-            for (pixel, count) in a.picture.counts.iter().enumerate().step_by(97).filter(|(_, count)| **count > 0) {
+            for (pixel, count) in
+                a.picture.counts.iter().enumerate().step_by(97).filter(|(_, count)| **count > 0)
+            {
                 let depth_m = f64::from(*count) * f64::from(UNIT_M);
                 let point = rays.point(pixel % rays.n_columns(), pixel / rays.n_columns(), depth_m);
                 let Some(point) = point.map(|point_m| b_from_a * Point3::from(point_m)) else { continue };
@@ -135,7 +143,9 @@ fn look(
 ) -> Result<Vec<Taken>, Box<dyn Error>> {
     let limits = ScanLimits { heights_m: HEIGHTS_M, ranges_m: RANGES_M, rows: None };
     let beams = Beams::over(rays);
-    let Beams::Uniform { first_bearing_rad, bearing_step_rad, .. } = beams else { return Err("no beams".into()) };
+    let Beams::Uniform { first_bearing_rad, bearing_step_rad, .. } = beams else {
+        return Err("no beams".into());
+    };
     let mut virtual_scan = VirtualScan::new(rays.clone(), limits, beams)?;
     let mut cloud = vec![[0.0_f32; 3]; rays.n_pixels()];
     let (mut scans, mut valid, mut kept, mut nearest_m, mut seen) =
@@ -167,12 +177,22 @@ fn look(
         };
         if frame.number % 100 == 0 {
             let marked = point.map(|point| [point.column, point.row]);
-            picture::depth(&out.join(format!("depth_{:03}.png", frame.number)), &frame.picture, 4500, marked)?;
+            picture::depth(
+                &out.join(format!("depth_{:03}.png", frame.number)),
+                &frame.picture,
+                4500,
+                marked,
+            )?;
         }
         scans.push(Taken { number: frame.number, map_from_camera, scan });
     }
     println!("pixels with a reading: {} %, between the heights: {} %", spread(valid), spread(kept));
-    println!("closest point in {} of {} pictures, at {} m", nearest_m.len(), frames.len(), spread(nearest_m.clone()));
+    println!(
+        "closest point in {} of {} pictures, at {} m",
+        nearest_m.len(),
+        frames.len(),
+        spread(nearest_m.clone())
+    );
     println!("beams of the virtual scan with a range: {} %", spread(seen));
     Ok(scans)
 }
@@ -193,7 +213,8 @@ fn map(scans: &[Taken], out: &Path) -> Result<(), Box<dyn Error>> {
     for taken in scans {
         let stamp = Time::from_secs(f64::from(taken.number) / 30.0);
         let map_from_base = flatten(&taken.map_from_camera);
-        let estimate = Estimate::planar(stamp, map_from_base, pose2(0.0, 0.0, 0.0), Matrix3::identity() * 1e-6);
+        let estimate =
+            Estimate::planar(stamp, map_from_base, pose2(0.0, 0.0, 0.0), Matrix3::identity() * 1e-6);
         let seen = [Observation {
             sensor: SensorId(0),
             stamp,
@@ -222,7 +243,8 @@ fn map(scans: &[Taken], out: &Path) -> Result<(), Box<dyn Error>> {
         grid.width(),
         grid.height()
     );
-    let places: Vec<[f64; 2]> = scans.iter().map(|taken| taken.map_from_camera.translation.vector.xy().into()).collect();
+    let places: Vec<[f64; 2]> =
+        scans.iter().map(|taken| taken.map_from_camera.translation.vector.xy().into()).collect();
     Ok(picture::grid(&out.join("grid.png"), grid, &places, 4)?)
 }
 

@@ -22,12 +22,7 @@ pub fn recorder(pipelines: &Path) -> Recorder {
         start: Start { x_m: 6.6, y_m: 3.4, yaw_deg: 90.0 },
         way: vec![around, along, around],
         mount: PlaceInSpace { x_m: 0.1, z_m: 0.4, ..PlaceInSpace::default() },
-        intrinsics: Intrinsics {
-            width: 160,
-            height: 120,
-            focal_px: [focal_px; 2],
-            center_px: [79.5, 59.5],
-        },
+        intrinsics: Intrinsics { width: 160, height: 120, focal_px: [focal_px; 2], center_px: [79.5, 59.5] },
         encoding: DepthEncoding::Gray16,
         unit_m: 0.001,
         max_range_m: 8.0,

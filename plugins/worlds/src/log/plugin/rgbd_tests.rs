@@ -103,11 +103,8 @@ fn pictures_and_accelerations_come_at_their_stamps_with_the_true_pose() {
                 n_pictures += 1;
             }
             for observation in recorded(world.as_mut(), &Probe::Attitude) {
-                let expected = Imu {
-                    attitude_rad: None,
-                    rates_rad_s: [0.0; 3],
-                    accelerations_m_s2: [-1.0, 0.5, 9.8],
-                };
+                let expected =
+                    Imu { attitude_rad: None, rates_rad_s: [0.0; 3], accelerations_m_s2: [-1.0, 0.5, 9.8] };
                 assert_eq!(observation.data, Data::Imu(expected));
                 n_accelerations += 1;
             }
