@@ -13,7 +13,8 @@ pub enum DepthScale {
     UnitRange,
     /// A thousandth of a meter.
     #[default]
-    #[serde(rename = "millimeter", alias = "millimetre")]
+    // The alias is the British spelling.
+    #[serde(rename = "millimeter", alias = "millim\u{65}tre")]
     Millimeter,
 }
 

@@ -98,8 +98,7 @@ impl Eye {
             self.near = NearMemory::default();
         }
         let n_valid = self.prepare(image)?;
-        let share = n_valid as f64 / image.depth.len() as f64;
-        let is_blind = self.blindness.is_blind(share);
+        let mut n_filled = 0;
         let elapsed_s = self.newest.map_or(0.0, |newest| (stamp - newest).as_secs());
         self.newest = Some(stamp);
         if let Some(near_m) = self.settings.near_m {
@@ -109,8 +108,11 @@ impl Eye {
                 closing_m_s: self.settings.closing_m_s,
                 unit_m: image.unit_m.into(),
             };
-            self.near.fill(&self.lens.rays, &self.band, &rule, elapsed_s, &mut self.counts)?;
+            n_filled = self.near.fill(&self.lens.rays, &self.band, &rule, elapsed_s, &mut self.counts)?;
         }
+        // A camera right before a wall has no readings, and knows why.
+        let share = (n_valid + n_filled) as f64 / image.depth.len() as f64;
+        let is_blind = self.blindness.is_blind(share);
         self.give(stamp, !is_blind, image, out)
     }
 

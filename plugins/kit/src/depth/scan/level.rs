@@ -39,7 +39,7 @@ impl<P: Pixel> Kernel for Look<'_, P> {
                 let counts = is_between & !is_nearer & !is_farther;
                 let candidate_m = if counts { range_m } else { f32::INFINITY };
                 *nearest_m = if candidate_m < *nearest_m { candidate_m } else { *nearest_m };
-                let outside = u32::from(is_nearer) * NEARER | u32::from(is_farther) * FARTHER;
+                let outside = (u32::from(is_nearer) * NEARER) | (u32::from(is_farther) * FARTHER);
                 *beyond |= if is_between { outside } else { 0 };
                 n_row += u32::from(is_valid);
             }

@@ -43,9 +43,9 @@ fn a_floor_below_frees_what_is_above_it() {
     let mut memory = NearMemory::default();
     fill(&mut memory, 0.1, &[600; 3072]);
     let mut hall = [0; 3072];
-    for pixel in 40 * 64..3072 {
+    for row in hall.chunks_exact_mut(64).skip(40) {
         // The left half only.
-        hall[pixel] = if pixel % 64 < 32 { 900 } else { 0 };
+        row[..32].fill(900);
     }
     let filled = fill(&mut memory, 0.1, &hall);
     for (pixel, count) in filled.iter().enumerate() {

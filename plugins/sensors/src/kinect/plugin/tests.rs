@@ -161,6 +161,19 @@ fn what_comes_too_near_to_be_seen_stays_an_obstacle_unless_that_is_switched_off(
     }
 }
 
+/// A robot that stands right before a wall has a camera without readings that is not blind: it knows why.
+#[test]
+fn a_camera_right_before_a_wall_is_not_blind() {
+    for near_is_occupied in [true, false] {
+        let mut camera = sensor(&KinectParams { near_is_occupied, ..params() }, 0.0);
+        poll(&mut *camera, &mut TestWorld::with_wall(0.55), 0.0);
+        for k in 1..10 {
+            let seen = poll(&mut *camera, &mut TestWorld::with_wall(0.3), f64::from(k) * 0.1);
+            assert_eq!(seen[0].valid, near_is_occupied || k < 5, "picture {k}");
+        }
+    }
+}
+
 #[test]
 fn recorded_pictures_become_scans_and_recorded_scans_are_passed_on() {
     let gives = vec![Given::LaserScan, Given::PointCloud, Given::DepthImage];
