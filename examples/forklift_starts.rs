@@ -37,7 +37,7 @@ const HULL_M: [[f64; 2]; 2] = [[-1.6, -0.5], [1.2, 0.5]];
 const HULL_CLEARANCE_M: [f64; 2] = [0.3, 1.0];
 const BASE_CLEARANCE_M: f64 = 0.85;
 /// Goals are this far from everything, and so far from the start, meters.
-const GOAL_CLEARANCE_M: f64 = 1.7;
+const GOAL_CLEARANCE_M: f64 = 1.8;
 const WAY_M: [f64; 2] = [4.0, 30.0];
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
