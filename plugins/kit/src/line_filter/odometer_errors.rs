@@ -168,7 +168,7 @@ pub(super) fn shift(model: &OdometerModel, motion: &MotionModel, state: &mut Sta
         with_all.columns(0, ROBOT) * by_robot.transpose() + with_all.column(column) * by_delay.transpose();
     covariance.view_mut((0, 0), (ROBOT, n_columns)).copy_from(&with_all);
     covariance.view_mut((0, 0), (n_columns, ROBOT)).copy_from(&with_all.transpose());
-    covariance.fixed_view_mut::<ROBOT, ROBOT>(0, 0).copy_from(&((own.clone() + own.transpose()) * 0.5));
+    covariance.fixed_view_mut::<ROBOT, ROBOT>(0, 0).copy_from(&((own + own.transpose()) * 0.5));
 }
 
 /// What an odometer reads of a speed and a turn, and how that changes with both and with the first four errors.

@@ -7,6 +7,7 @@ use crate::lines::SensedLine;
 use nalgebra::{DMatrix, DVector, Matrix5, SMatrix, SVector, Vector5};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 const ALL: OdometerModel = OdometerModel { deviations: [0.05, 0.05, 0.03, 0.01, 0.05], wander_per_s: 0.0 };
 
@@ -144,7 +145,7 @@ fn variances_grow_with_the_way_and_the_turn_and_are_the_wheels_where_nobody_says
 }
 
 /// A room of 40 m x 30 m around the origin.
-const WALLS: [[f64; 2]; 4] = [[20.0, 0.0], [15.0, 1.570_796_3], [20.0, 3.141_592_6], [15.0, -1.570_796_3]];
+const WALLS: [[f64; 2]; 4] = [[20.0, 0.0], [15.0, FRAC_PI_2], [20.0, PI], [15.0, -FRAC_PI_2]];
 
 /// What a drive leaves: errors less what is true of them, their covariance, and the pose's normalized error.
 struct Taught {
