@@ -115,6 +115,9 @@ pub struct RunRecord {
     pub n_events_left_out: usize,
     /// The map at the end.
     pub map: Option<MapImage>,
+    /// Walls of the map at the end, as pieces from end to end in the map's frame, meters.
+    #[serde(default)]
+    pub walls: Vec<[[f64; 2]; 2]>,
     /// What the sensors see, where that was asked for.
     #[serde(default)]
     pub seen: Vec<SeenRegion>,
@@ -244,6 +247,7 @@ pub fn test_record() -> RunRecord {
         }],
         n_events_left_out: 0,
         map: Some(MapImage { width: 40, height: 30, pixel_m: 0.1, origin: [-0.5, -1.0, 0.0], gray }),
+        walls: vec![[[-0.4, -0.9], [3.2, -0.9]]],
         seen: Vec::new(),
         plan_drawings: Vec::new(),
         config: "name = \"a room & <its> robot\"\n".into(),

@@ -3,6 +3,7 @@
 pub mod lost;
 mod open;
 mod pace;
+mod poses;
 mod progress;
 pub mod summary;
 
@@ -17,6 +18,7 @@ use crate::report;
 use crate::terminal::{Terminal, write_file};
 use lost::{Kept, end_when_lost};
 use pace::Pace;
+use poses::Poses;
 use progress::Progress;
 use rumbo_core::engine::{EndReason, Engine, Observer};
 use std::path::{Path, PathBuf};
@@ -54,6 +56,9 @@ pub struct Args {
     /// Save what `rumbo plot` needs to draw this run again
     #[arg(long, value_name = "FILE")]
     save_run: Option<PathBuf>,
+    /// Write where the robot thought that it was at each laser scan, as lines of `t x y theta` for `rumbo eval`
+    #[arg(long, value_name = "FILE")]
+    poses: Option<PathBuf>,
     /// Record the run as MCAP, for viewers and for `rumbo replay`; instead of the pipeline's `record`
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -82,12 +87,17 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
         ready.limit(duration_s);
     }
     let recorded = args.recording(&ready);
-    let record = watched_drive(args, &ready, recorded.as_deref(), terminal)?;
+    let mut poses = args.poses.is_some().then(Poses::default);
+    let record = watched_drive(args, &ready, recorded.as_deref(), &mut poses, terminal)?;
     let Some(outcome) = &record.outcome else {
         return Err(Failure::Internal("the run left no figures; this is a bug".into()));
     };
     let mut written = write_files(args, &record)?;
     written.extend(recorded.map(|path| ("recording", path)));
+    if let (Some(path), Some(poses)) = (&args.poses, &poses) {
+        write_file(path, poses.text().as_bytes())?;
+        written.push(("poses", path.clone()));
+    }
     if !args.quiet {
         terminal.say(summary::summary(outcome, &record.events, &written, terminal));
     }
@@ -125,6 +135,7 @@ fn watched_drive(
     args: &Args,
     ready: &Ready,
     recorded: Option<&Path>,
+    poses: &mut Option<Poses>,
     terminal: &Terminal,
 ) -> Result<RunRecord, Failure> {
     let interrupt = on_interrupt()?;
@@ -137,6 +148,7 @@ fn watched_drive(
     let mut pace = args.speed.map(Pace::new);
     let mut others: Vec<&mut dyn Observer> = vec![&mut recording];
     others.extend(progress.as_mut().map(|progress| progress as &mut dyn Observer));
+    others.extend(poses.as_mut().map(|poses| poses as &mut dyn Observer));
     others.extend(pace.as_mut().map(|pace| pace as &mut dyn Observer));
     let file = args.file.display().to_string();
     let driven = drive_engine(&mut engine, &ready.pipeline, &file, &ready.config, &mut others, &interrupt);

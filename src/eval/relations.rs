@@ -4,13 +4,14 @@ use super::{Format, figures, not_negative, note, read};
 use crate::exit::{Exit, Failure};
 use crate::terminal::Terminal;
 use rumbo_core::time::{Span, Time};
+use rumbo_kit::log_file::{BeamOverride, Timeline};
 use rumbo_kit::relations::{
     CorrectedOdometry, Relation, RelationErrors, pose_near, read_relations, relation_errors,
 };
 use rumbo_kit::spread::Spread;
-use rumbo_kit::trajectory::Trajectory;
+use rumbo_kit::trajectory::{StampedPose, Trajectory};
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Errors of poses against known relations between them (Kuemmerle et al. 2009)
 ///
@@ -25,6 +26,9 @@ pub struct Args {
     /// A robot log whose odometry lies between the poses
     #[arg(long, value_name = "LOG")]
     odometry: Option<PathBuf>,
+    /// Stamps of the poses count from the first of this log, as those of a run on it do (`rumbo run --poses`)
+    #[arg(long, value_name = "LOG")]
+    since: Option<PathBuf>,
     /// Format of the poses, instead of looking; `odometry` judges the raw odometry of a log
     #[arg(long, value_enum)]
     format: Option<Format>,
@@ -52,10 +56,13 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let (relations, notes) =
         read_relations(&args.relations).map_err(|error| Failure::Usage(error.to_string()))?;
     note(&args.relations, &notes, terminal);
-    let poses = read(&args.poses, args.format, None, terminal)?;
+    let mut poses = read(&args.poses, args.format, None, terminal)?;
     if !poses.has_stamps {
         let path = args.poses.display();
         return Err(Failure::Usage(format!("{path} has no stamps, and relations are between stamps")));
+    }
+    if let Some(log) = &args.since {
+        poses.trajectory = since_first(log, &poses.trajectory)?;
     }
     let tolerance = Span::from_secs(args.max_gap);
     let errors = match &args.odometry {
@@ -76,6 +83,14 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
         say(args, &figures, terminal);
     }
     Ok(Exit::Success)
+}
+
+/// The same poses with the stamps that the log has.
+fn since_first(log: &Path, poses: &Trajectory) -> Result<Trajectory, Failure> {
+    let timeline = Timeline::open(log, BeamOverride::default());
+    let origin = timeline.map_err(|error| Failure::Usage(error.to_string()))?.origin();
+    let moved = |pose: &StampedPose| StampedPose { stamp: origin + (pose.stamp - Time::ZERO), ..*pose };
+    Ok(Trajectory::of(poses.poses().iter().map(moved).collect()).0)
 }
 
 fn judged(errors: RelationErrors, n_relations: usize, n_poses: usize) -> Option<Figures> {

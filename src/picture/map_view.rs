@@ -14,7 +14,7 @@ pub struct Sign {
 }
 
 /// The legend, in reading order.
-pub const SIGNS: [Sign; 12] = [
+pub const SIGNS: [Sign; 13] = [
     Sign { role: Role::Start, words: "start" },
     Sign { role: Role::Goal, words: "goal" },
     Sign { role: Role::Truth, words: "true way" },
@@ -26,6 +26,7 @@ pub const SIGNS: [Sign; 12] = [
     Sign { role: Role::Level, words: "levels of the potential" },
     Sign { role: Role::Mark, words: "fictitious charge" },
     Sign { role: Role::Obstacle, words: "obstacle found" },
+    Sign { role: Role::Wall, words: "wall of the map" },
     Sign { role: Role::Seen, words: "seen from the start" },
 ];
 
@@ -65,6 +66,9 @@ impl<'a> MapView<'a> {
     pub fn draw(mut self) -> (Sketch, Vec<Sign>) {
         let mut sketch = Sketch::sheet(self.width, self.height);
         self.map(&mut sketch);
+        for wall in &self.record.walls {
+            self.chain(&mut sketch, Role::Wall, wall.iter().copied());
+        }
         for region in &self.record.seen {
             self.ring(&mut sketch, Role::Seen, region.outline.iter().copied());
         }
@@ -217,6 +221,7 @@ fn extent(record: &RunRecord) -> [f64; 4] {
     };
     let map = record.map.iter().flat_map(|image| image.corners());
     map.for_each(|corner| take([corner.x, corner.y], 0.0));
+    record.walls.iter().flatten().for_each(|end| take(*end, MARGIN_M));
     for sample in &record.samples {
         sample.truth.iter().for_each(|[x, y, _]| take([*x, *y], MARGIN_M));
         if sample.is_located {
@@ -262,11 +267,28 @@ mod tests {
         let (sketch, signs) = view.draw();
         assert!(sketch.width <= 400.0 && sketch.height <= 300.0);
         assert!(signs.iter().any(|sign| sign.role == Role::Truth));
+        let walls =
+            sketch.shapes.iter().filter(|shape| matches!(shape, Shape::Chain { role: Role::Wall, .. }));
+        assert!(walls.count() == record.walls.len() && signs.iter().any(|sign| sign.role == Role::Wall));
         for shape in &sketch.shapes {
             let Shape::Chain { points, .. } = shape else { continue };
             let inside = |[x, y]: &[f64; 2]| (0.0..=400.0).contains(x) && (0.0..=300.0).contains(y);
             assert!(points.iter().all(inside), "{shape:?}");
         }
+    }
+
+    #[test]
+    fn a_map_of_walls_alone_fills_the_paper() {
+        let mut record = test_record();
+        (record.map, record.samples, record.goals) = (None, Vec::new(), Vec::new());
+        record.walls = vec![[[10.0, 5.0], [30.0, 5.0]], [[30.0, 5.0], [30.0, 15.0]]];
+        let [left, bottom, right, top] = extent(&record);
+        assert!(
+            (left, bottom, right, top) == (10.0 - MARGIN_M, 5.0 - MARGIN_M, 30.0 + MARGIN_M, 15.0 + MARGIN_M)
+        );
+        let (sketch, _) = MapView::new(&record, 400.0, 300.0).draw();
+        let Some(Shape::Chain { points, .. }) = sketch.shapes.first() else { panic!("no wall") };
+        assert!((points[1][0] - points[0][0]) > 350.0, "{points:?}");
     }
 
     #[test]

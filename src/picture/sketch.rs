@@ -41,6 +41,8 @@ pub enum Role {
     Goal,
     /// What a sensor sees.
     Seen,
+    /// A wall of the map.
+    Wall,
     /// A curve of a chart.
     Curve,
     /// A second curve of a chart.
@@ -72,7 +74,7 @@ pub struct Style {
 
 impl Role {
     /// All of them.
-    pub const ALL: [Role; 24] = [
+    pub const ALL: [Role; 25] = [
         Role::Paper,
         Role::Frame,
         Role::Rule,
@@ -91,6 +93,7 @@ impl Role {
         Role::End,
         Role::Goal,
         Role::Seen,
+        Role::Wall,
         Role::Curve,
         Role::SecondCurve,
         Role::Limit,
@@ -134,6 +137,7 @@ impl Role {
             Role::End => Style { width: 2.0, stroke: Some(BLUE), ..filled("end", BLUE, 0.3) },
             Role::Goal => line("goal", (0xc1121f, 0xff6b6b), 2.2),
             Role::Seen => Style { width: 1.0, stroke: Some(GREEN), ..filled("seen", GREEN, 0.14) },
+            Role::Wall => line("wall", (0x1b1f24, 0xe7eaee), 2.0),
             Role::Curve => line("curve", BLUE, 1.6),
             Role::SecondCurve => line("second-curve", ORANGE, 1.3),
             Role::Dot => filled("dot", GREEN, 0.55),

@@ -4,7 +4,7 @@ use super::{EventRecord, PathRecord, PlanDrawing, RunRecord, SCHEMA, Sample, out
 use crate::picture::MapImage;
 use rumbo_core::engine::{EventKind, Observer, State, StepView};
 use rumbo_core::frames::{Pose2, flatten};
-use rumbo_core::map::Map;
+use rumbo_core::map::{Lines, Map};
 use rumbo_core::pipeline::Pipeline;
 use rumbo_core::time::{Span, Time};
 use rumbo_core::trace::Drawing;
@@ -72,6 +72,7 @@ impl Recorder {
             events: self.events,
             n_events_left_out: self.n_events_left_out,
             map: map.grid.as_ref().and_then(MapImage::of),
+            walls: map.lines.as_ref().map(walls).unwrap_or_default(),
             seen: Vec::new(),
             plan_drawings: self.plan_drawings,
             config,
@@ -172,14 +173,23 @@ impl Observer for Recorder {
     }
 }
 
+/// Walls that a picture can show, to the centimeter.
+fn walls(lines: &Lines) -> Vec<[[f64; 2]; 2]> {
+    let walls = lines.lines.iter().map(|line| [line.from, line.to].map(|end| end.map(in_cm)));
+    walls.filter(|wall| wall.iter().flatten().all(|v| v.is_finite())).collect()
+}
+
 /// Whole centimeters: a picture shows no more.
+fn in_cm(v: f64) -> f64 {
+    (v * 100.0).round() * 0.01
+}
+
 fn plan_drawing(drawing: &Drawing) -> Option<PlanDrawing> {
     let (name, is_points, points) = match drawing {
         Drawing::Polyline { name, points } => (name, false, points),
         Drawing::Points { name, points } => (name, true, points),
         _ => return None,
     };
-    let in_cm = |v: f64| (v * 100.0).round() * 0.01;
     let mut points: Vec<[f64; 2]> = points.iter().map(|p| [in_cm(p.x), in_cm(p.y)]).collect();
     points.retain(|point| point.iter().all(|v| v.is_finite()));
     points.dedup();

@@ -1,17 +1,15 @@
 //! The filter: predictions, readings, and the map that grows from them.
 
-use super::{FilterSettings, MotionModel};
 use super::association::{Match, associate, rows_of};
 use super::clock::Steps;
 use super::consistency::Consistency;
-use super::growth::NewWall;
-use super::merging::merge_one;
 use super::odometer_errors::shift;
 use super::sighting::{Mount, Viewpoint};
 use super::state::State;
 use super::tentative::Tentative;
 use super::update::{NotPositiveDefinite, Update};
-use super::wall::{Axes, Wall, from_layer, to_layer};
+use super::wall::{Wall, from_layer, to_layer};
+use super::{FilterSettings, MotionModel};
 use crate::lines::SensedLine;
 use nalgebra::{Matrix5, Vector5};
 use rumbo_core::map::Line;
@@ -86,6 +84,8 @@ pub struct LineFilter {
     pub(super) n_scans: u64,
     consistency: [Consistency; 3],
     /// Since when the wheels have disagreed without a break, seconds; none while they agree.
+    /// Time since lines that are no walls were looked at, seconds.
+    pub(super) untested_s: f64,
     slipping_s: Option<f64>,
 }
 
@@ -102,6 +102,7 @@ impl LineFilter {
             tentative: Tentative::default(),
             n_scans: 0,
             consistency: Default::default(),
+            untested_s: 0.0,
             slipping_s: None,
         }
     }
@@ -164,6 +165,7 @@ impl LineFilter {
         self.settings.motion.predict(&mut self.state, seconds);
         self.settings.odometer.wander(&mut self.state, seconds);
         self.slipping_s = self.slipping_s.map(|since_s| since_s + seconds);
+        self.untested_s += seconds;
     }
 
     /// Takes in the speeds of the left and the right wheel, m/s.
@@ -203,6 +205,7 @@ impl LineFilter {
             motion.predict(&mut self.state, steps.seconds);
             model.wander(&mut self.state, steps.seconds);
         }
+        self.untested_s += steps.all_s();
         self.slipping_s = None;
         self.consistency[0].push(distance2, 2);
         Reading::Fused(distance2)
@@ -241,7 +244,6 @@ impl LineFilter {
         }
         if self.map_use == MapUse::Build {
             self.grow(seen, mount, &matches, &mut report);
-            self.n_scans += 1;
         }
         report.matches = matches;
         report
@@ -258,72 +260,5 @@ impl LineFilter {
         let update = Update::new(&self.state, &rows)?;
         update.fuse(&mut self.state, &rows, self.map_use == MapUse::Known);
         Ok(())
-    }
-
-    /// Extends the walls that were seen, and adds new ones.
-    fn grow(&mut self, seen: &[SensedLine], mount: &Mount, matches: &[Match], report: &mut ScanReport) {
-        let view = Viewpoint::new(&self.state.robot, mount);
-        for (wall, line) in self.walls.iter_mut().zip(&self.state.walls) {
-            wall.follow(&Axes::new(*line));
-        }
-        let in_map = |line: &SensedLine| line.ends_m.map(|end| view.in_map(end));
-        for found in matches {
-            let line = self.state.walls.get(found.wall).copied();
-            if let (Some(wall), Some(line), Some(seen)) =
-                (self.walls.get_mut(found.wall), line, seen.get(found.seen))
-            {
-                wall.extend(&Axes::new(line), &in_map(seen));
-            }
-        }
-        let mut touched: Vec<usize> = matches.iter().map(|found| found.wall).collect();
-        let is_matched = |idx: usize| matches.iter().any(|found| found.seen == idx);
-        for (_, line) in seen.iter().enumerate().filter(|(idx, _)| !is_matched(*idx)) {
-            touched.extend(self.consider(line, in_map(line), mount, report));
-        }
-        self.tentative.age(self.n_scans, &self.settings.growth);
-        if self.settings.growth.merge {
-            self.merge(touched, report);
-        }
-    }
-
-    /// A line that is no wall of the map yet. Returns the wall that it became or turned out to be.
-    fn consider(
-        &mut self,
-        seen: &SensedLine,
-        ends_m: [[f64; 2]; 2],
-        mount: &Mount,
-        report: &mut ScanReport,
-    ) -> Option<usize> {
-        let Self { settings: FilterSettings { growth, gates, .. }, state, walls, tentative, .. } = self;
-        let new = NewWall::new(state, mount, seen);
-        if !new.line.iter().chain(ends_m.iter().flatten()).all(|v| v.is_finite()) {
-            return None;
-        }
-        let [[x, y], [other_x, other_y]] = seen.ends_m;
-        let is_long = (x - other_x).hypot(y - other_y) >= growth.bootstrap_length_m;
-        let piece = if growth.bootstrap && self.n_scans == 0 && is_long {
-            Wall { ends_m }
-        } else {
-            let piece = tentative.see(new.line, ends_m, self.n_scans, growth)?;
-            if let Some(known) = new.known_as(state, walls, &piece, gates) {
-                let axes = Axes::new(*state.walls.get(known)?);
-                walls.get_mut(known)?.extend(&axes, &piece.ends_m);
-                return Some(known);
-            }
-            piece
-        };
-        new.add(state, walls, piece);
-        report.n_added += 1;
-        Some(walls.len() - 1)
-    }
-
-    fn merge(&mut self, mut touched: Vec<usize>, report: &mut ScanReport) {
-        let Self { settings, state, walls, .. } = self;
-        while let Some(gone) = merge_one(state, walls, &touched, &settings.gates) {
-            report.n_merged += 1;
-            let moved = walls.len();
-            touched.retain(|wall| *wall != gone);
-            touched.iter_mut().filter(|wall| **wall == moved).for_each(|wall| *wall = gone);
-        }
     }
 }

@@ -17,6 +17,9 @@ pub struct Growth {
     pub bootstrap: bool,
     /// How long they must be for that, meters.
     pub bootstrap_length_m: f64,
+    /// Time from one test of the lines that are no walls to the next, seconds (T_tm, which the source names and does not
+    /// define); zero tests them with every scan. What follows counts scans that were tested.
+    pub test_period_s: f64,
     /// Scans that must show a line before it becomes a wall.
     pub confirm_hits: u32,
     /// A line that was not seen for so many scans is forgotten.
@@ -36,6 +39,7 @@ impl Default for Growth {
         Growth {
             bootstrap: true,
             bootstrap_length_m: 2.0,
+            test_period_s: 0.0,
             confirm_hits: 3,
             forget_after_scans: 6,
             offset_m: 0.3,

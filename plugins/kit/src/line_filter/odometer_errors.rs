@@ -42,6 +42,17 @@ impl OdometerError {
         OdometerError::TurnPerSecond,
         OdometerError::ScanDelay,
     ];
+
+    /// In words, with its unit.
+    pub fn name(self) -> &'static str {
+        match self {
+            OdometerError::DistanceScale => "odometer: share of distances",
+            OdometerError::TurnScale => "odometer: share of turns",
+            OdometerError::TurnPerMeter => "odometer: turn, rad/m",
+            OdometerError::TurnPerSecond => "odometer: turn, rad/s",
+            OdometerError::ScanDelay => "delay of scans, s",
+        }
+    }
 }
 
 /// How large the errors may be. All zero: they are no part of the state.
@@ -83,7 +94,8 @@ impl OdometerModel {
     /// All errors of a state; those that are not estimated are zero.
     pub fn errors(&self, state: &State) -> [f64; 5] {
         let mut known = state.odometer.iter();
-        self.deviations.map(|deviation| if deviation > 0.0 { known.next().copied().unwrap_or(0.0) } else { 0.0 })
+        self.deviations
+            .map(|deviation| if deviation > 0.0 { known.next().copied().unwrap_or(0.0) } else { 0.0 })
     }
 
     /// Columns of the state with what each error does.
@@ -152,10 +164,11 @@ pub(super) fn shift(model: &OdometerModel, motion: &MotionModel, state: &mut Sta
     let mut covariance = state.covariance.view_mut();
     let n_columns = covariance.ncols();
     let with_all = by_robot * covariance.view((0, 0), (ROBOT, n_columns)) + by_delay * covariance.row(column);
-    let own = with_all.columns(0, ROBOT) * by_robot.transpose() + with_all.column(column) * by_delay.transpose();
+    let own =
+        with_all.columns(0, ROBOT) * by_robot.transpose() + with_all.column(column) * by_delay.transpose();
     covariance.view_mut((0, 0), (ROBOT, n_columns)).copy_from(&with_all);
     covariance.view_mut((0, 0), (n_columns, ROBOT)).copy_from(&with_all.transpose());
-    covariance.fixed_view_mut::<ROBOT, ROBOT>(0, 0).copy_from(&((own.clone() + own.transpose()) * 0.5));
+    covariance.fixed_view_mut::<ROBOT, ROBOT>(0, 0).copy_from(&((own + own.transpose()) * 0.5));
 }
 
 /// What an odometer reads of a speed and a turn, and how that changes with both and with the first four errors.

@@ -56,6 +56,8 @@ pub struct PeriodParams {
     pub steering_s: f64,
     /// Of the lasers, seconds.
     pub laser_s: f64,
+    /// Of the test of lines that are no walls yet, seconds (T_tm); 0 tests them with every scan. Localization has none.
+    pub tentative_s: f64,
 }
 
 /// What both plugins have, from their own keys.
@@ -168,6 +170,8 @@ impl SharedParams<'_> {
             let is_period = (1e-3..=3600.0).contains(&value);
             expect(is_period, key, &value, "0.001 to 3600 seconds for all three, or 0 for all");
         }
+        let test_s = periods.tentative_s;
+        expect((0.0..=3600.0).contains(&test_s), "periods.tentative_s", &test_s, "0 to 3600 seconds");
         faults
     }
 
@@ -202,7 +206,7 @@ impl SharedParams<'_> {
                 normal_rad: self.gate_normal_deg.to_radians(),
                 ..Gates::default()
             },
-            growth: Growth { gap_m: self.max_gap_m, ..growth },
+            growth: Growth { gap_m: self.max_gap_m, test_period_s: self.periods.tentative_s, ..growth },
         };
         TrackerSettings {
             filter,

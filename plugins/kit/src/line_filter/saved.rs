@@ -35,7 +35,9 @@ pub enum SavedFault {
     #[error("it is damaged or cut off")]
     Damaged,
     /// The filter estimates other errors of its odometer than the one that saved it.
-    #[error("it has {found} errors of the odometer, this filter estimates {expected}; keep `odometer_errors` as it was")]
+    #[error(
+        "it has {found} errors of the odometer, this filter estimates {expected}; keep `odometer_errors` as it was"
+    )]
     OtherErrors {
         /// Errors that were saved.
         found: u64,
@@ -154,16 +156,8 @@ fn head(input: &mut Reader<'_>) -> Option<Head> {
     let odom_from_base = [input.f64()?, input.f64()?, input.f64()?];
     let n_scans = input.i64()? as u64;
     let [n_walls, n_candidates, n_odometer] = [input.i64()? as u64, input.i64()? as u64, input.i64()? as u64];
-    let head = Head {
-        start,
-        now,
-        odometry_stamp,
-        odom_from_base,
-        n_scans,
-        n_walls,
-        n_candidates,
-        n_odometer,
-    };
+    let head =
+        Head { start, now, odometry_stamp, odom_from_base, n_scans, n_walls, n_candidates, n_odometer };
     (n_walls.max(n_candidates) <= MOST_WALLS).then_some(head)
 }
 

@@ -30,12 +30,8 @@ pub(super) fn wrapped(angle_rad: f64) -> f64 {
 impl State {
     /// A robot without walls.
     pub fn new(robot: Vector5<f64>, covariance: &Matrix5<f64>) -> State {
-        let mut state = State {
-            robot,
-            odometer: Vec::new(),
-            walls: Vec::new(),
-            covariance: Covariance::zeros(ROBOT),
-        };
+        let mut state =
+            State { robot, odometer: Vec::new(), walls: Vec::new(), covariance: Covariance::zeros(ROBOT) };
         state.covariance.view_mut().copy_from(covariance);
         state
     }

@@ -3,8 +3,8 @@
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
 use rumbo_kit::line_filter::{
-    ExtractionParams, Growth, Integration, MotionModel, OdometerErrorParams, PeriodParams, SensorNoiseParams, SharedParams,
-    SteeringModel,
+    ExtractionParams, Growth, Integration, MotionModel, OdometerErrorParams, PeriodParams, SensorNoiseParams,
+    SharedParams, SteeringModel,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -9,7 +9,7 @@ use rumbo_core::registry::{Manifest, Plugin};
 use rumbo_core::robot::DriveKind;
 use rumbo_core::stages::{BuildContext, BuildError, Cx, Slam, SlamError};
 use rumbo_core::trace::Drawing;
-use rumbo_kit::line_filter::{LineTracker, TrackFault};
+use rumbo_kit::line_filter::{LineTracker, OdometerError, TrackFault};
 
 /// See [`EkfLineSlamParams`].
 #[derive(Debug)]
@@ -37,6 +37,11 @@ impl EkfLineSlam {
         let Some(filter) = self.tracker.filter() else { return };
         let left_out = self.tracker.left_out();
         cx.trace.count("walls", filter.walls().len() as f64);
+        let odometer = &filter.settings().odometer;
+        let errors = OdometerError::ALL.iter().zip(odometer.errors(filter.state()));
+        for (error, value) in errors.filter(|(error, _)| odometer.estimated().any(|other| other == **error)) {
+            cx.trace.count(error.name(), value);
+        }
         cx.trace.count("slipping wheels", left_out.slipping as f64);
         cx.trace.count("late readings dropped", left_out.late as f64);
         cx.trace.count("readings refused", left_out.refused as f64);

@@ -42,7 +42,9 @@ const LATE: Span = Span(50 * MS);
 fn without_periods_the_state_goes_to_each_stamp() {
     let mut clock = Clock::new(LATE);
     assert_eq!(clock.admit(Source::Laser, at(1000.0)), Instant::Slightly, "the first reading is the present");
-    let Instant::Ahead(Steps { n: 1, seconds: step_s }) = clock.admit(Source::Wheels, at(1047.5)) else { panic!() };
+    let Instant::Ahead(Steps { n: 1, seconds: step_s }) = clock.admit(Source::Wheels, at(1047.5)) else {
+        panic!()
+    };
     assert!((step_s - 0.0475).abs() < 1e-12);
     assert_eq!(clock.admit(Source::Wheels, at(1047.5)), Instant::Slightly);
     assert_eq!(clock.admit(Source::Laser, at(1047.5 - 50.0)), Instant::Slightly, "a base period old");
@@ -58,10 +60,14 @@ fn with_periods_steps_are_base_periods_and_each_period_has_one_reading() {
     assert_eq!(clock.admit(Source::Wheels, at(20.0)), Instant::NotDue);
     // A hair early and a hair late belong to their period, and are one step.
     let Instant::Ahead(Steps { n: 1, .. }) = clock.admit(Source::Wheels, at(49.5)) else { panic!() };
-    let Instant::Ahead(Steps { n: 1, seconds: step_s }) = clock.admit(Source::Wheels, at(100.4)) else { panic!() };
+    let Instant::Ahead(Steps { n: 1, seconds: step_s }) = clock.admit(Source::Wheels, at(100.4)) else {
+        panic!()
+    };
     assert!((step_s - 0.0509).abs() < 1e-9);
     // Wheels that were silent for half a second: ten predictions.
-    let Instant::Ahead(Steps { n: 10, seconds: step_s }) = clock.admit(Source::Laser, at(600.4)) else { panic!() };
+    let Instant::Ahead(Steps { n: 10, seconds: step_s }) = clock.admit(Source::Laser, at(600.4)) else {
+        panic!()
+    };
     assert!((step_s - 0.05).abs() < 1e-9);
 }
 

@@ -48,6 +48,26 @@ fn three_scans_make_a_wall_and_two_pieces_in_one_scan_count_once() {
 }
 
 #[test]
+fn lines_that_are_no_walls_wait_for_their_period() {
+    for (test_period_s, scans_until_wall) in [(0.0, 3), (0.5, 3), (1.0, 5), (1.2, 7)] {
+        let growth = Growth { bootstrap: false, test_period_s, ..Growth::default() };
+        let mut filter = filter(growth);
+        let lines = [seen(5.0, 0.0, [-2.0, 2.0])];
+        let mut n_scans = 0;
+        while filter.walls().is_empty() && n_scans < 20 {
+            filter.predict(0.5);
+            see(&mut filter, &lines);
+            n_scans += 1;
+        }
+        // The first scan is a test, and the third test confirms.
+        assert_eq!(n_scans, scans_until_wall, "{test_period_s}");
+        filter.predict(0.5);
+        let matched = see(&mut filter, &lines).matches.len();
+        assert_eq!(matched, 1, "walls of the map are matched with every scan");
+    }
+}
+
+#[test]
 fn a_line_that_is_not_seen_for_six_scans_is_forgotten() {
     for (n_empty, n_walls) in [(5, 1), (6, 0)] {
         let mut filter = without_bootstrap();

@@ -7,9 +7,9 @@ use crate::lines::SensedLine;
 use nalgebra::{DMatrix, DVector, Matrix5, SMatrix, SVector, Vector5};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-const ALL: OdometerModel =
-    OdometerModel { deviations: [0.05, 0.05, 0.03, 0.01, 0.05], wander_per_s: 0.0 };
+const ALL: OdometerModel = OdometerModel { deviations: [0.05, 0.05, 0.03, 0.01, 0.05], wander_per_s: 0.0 };
 
 /// Derivatives of a function by symmetric differences.
 fn differences<const N: usize, const M: usize>(
@@ -67,9 +67,8 @@ fn the_way_back_to_a_scan_is_the_way_of_its_jacobian_and_leads_here_again() {
         let mut state = filter.state.clone();
         shift(&ALL, &motion, &mut state, -1.0);
         // x, y, theta, v, omega and the delay, which is the last error.
-        let before: [f64; 6] = std::array::from_fn(|k| {
-            if k < 5 { filter.state.robot[k] } else { filter.state.odometer[4] }
-        });
+        let before: [f64; 6] =
+            std::array::from_fn(|k| if k < 5 { filter.state.robot[k] } else { filter.state.odometer[4] });
         let moved = |[x, y, theta, v, omega, delay]: [f64; 6]| {
             let (robot, _) = motion.step(&Vector5::new(x, y, theta, v, omega), -delay);
             <[f64; 5]>::from(robot)
@@ -93,7 +92,9 @@ fn the_way_back_to_a_scan_is_the_way_of_its_jacobian_and_leads_here_again() {
 #[test]
 fn what_an_odometer_reads_is_an_update_of_a_motion_that_nobody_knew() {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(5);
-    for model in [ALL, OdometerModel { deviations: [0.0, 0.0, 0.03, 0.0, 0.0], ..ALL }, OdometerModel::default()] {
+    for model in
+        [ALL, OdometerModel { deviations: [0.0, 0.0, 0.03, 0.0, 0.0], ..ALL }, OdometerModel::default()]
+    {
         let filter = correlated(model, &mut rng);
         let (read, variances) = ([0.5, -0.2], [1e-3, 2e-3]);
         let mut textbook = filter.state.clone();
@@ -106,7 +107,8 @@ fn what_an_odometer_reads_is_an_update_of_a_motion_that_nobody_knew() {
         let mut state = filter.state.clone();
         model.move_as_read(&mut state, read, variances);
         assert!((state.robot - textbook.robot).amax() < 1e-6, "{} {}", state.robot, textbook.robot);
-        let (found, expected) = (state.covariance.view().into_owned(), textbook.covariance.view().into_owned());
+        let (found, expected) =
+            (state.covariance.view().into_owned(), textbook.covariance.view().into_owned());
         alike(&found, &expected, 1e-6, "covariance");
     }
 }
@@ -143,7 +145,7 @@ fn variances_grow_with_the_way_and_the_turn_and_are_the_wheels_where_nobody_says
 }
 
 /// A room of 40 m x 30 m around the origin.
-const WALLS: [[f64; 2]; 4] = [[20.0, 0.0], [15.0, 1.570_796_3], [20.0, 3.141_592_6], [15.0, -1.570_796_3]];
+const WALLS: [[f64; 2]; 4] = [[20.0, 0.0], [15.0, FRAC_PI_2], [20.0, PI], [15.0, -FRAC_PI_2]];
 
 /// What a drive leaves: errors less what is true of them, their covariance, and the pose's normalized error.
 struct Taught {
@@ -178,7 +180,8 @@ fn drive(seed: u64, model: OdometerModel) -> Taught {
         filter.roll(read, variances, Steps { n: 1, seconds: 0.1 });
         if k % 5 == 0 {
             let (there, _) = exact.step(&truth, -errors[4]);
-            let lines: Vec<SensedLine> = WALLS.iter().map(|wall| sighted(&there, *wall, &mut normal)).collect();
+            let lines: Vec<SensedLine> =
+                WALLS.iter().map(|wall| sighted(&there, *wall, &mut normal)).collect();
             assert_eq!(filter.read_lines(&lines, &Mount::default()).matches.len(), 4, "{seed} {t}");
         }
     }
