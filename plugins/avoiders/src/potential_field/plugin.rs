@@ -19,6 +19,7 @@ use rumbo_core::registry::{Manifest, Plugin};
 use rumbo_core::robot::{DriveKind, Robot};
 use rumbo_core::stages::{AvoidError, AvoidInput, Avoider, BuildContext, BuildError, Cx, Steering};
 use rumbo_core::time::{Span, Time};
+use std::f64::consts::PI;
 
 rumbo_core::register_avoider!(
     PotentialFieldParams,
@@ -119,7 +120,7 @@ impl PotentialField {
         };
         let points = self.lookout.near.points(self.params.memory.repel);
         let (strength, turn_error_rad) = self.descent.pull(&place, points);
-        let pull = Pull { strength, turn_error_rad, nearest: nearest(points) };
+        let pull = Pull { strength, turn_error_rad, nearest: nearest(points, PI) };
         let is_blocked = self.control.is_blocked(points);
         let twist = self.twist(&pull, is_blocked, input.robot);
         if is_blocked {
