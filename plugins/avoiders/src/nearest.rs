@@ -35,17 +35,23 @@ impl Side {
 
 /// The nearest of some points.
 pub fn closest(points: &[NearPoint]) -> Option<Point2> {
-    let points = points.iter().map(|near| near.in_base);
+    nearest_of(points.iter().map(|near| near.in_base))
+}
+
+fn nearest_of(points: impl Iterator<Item = Point2>) -> Option<Point2> {
     points.min_by(|a, b| a.coords.norm_squared().total_cmp(&b.coords.norm_squared()))
 }
 
 /// The nearest thing. Where it is dead ahead to within rounding, such as a wall that the robot meets squarely, it counts to
 /// the side on which more is near, so that the robot turns to where there is room: the published rule turns left there.
-pub fn nearest(points: &[NearPoint]) -> Option<Stimulus> {
+/// Things farther than `half_view_rad` to the side are not met.
+pub fn nearest(points: &[NearPoint], half_view_rad: f64) -> Option<Stimulus> {
     const DEAD_AHEAD_RAD: f64 = 1e-6;
     const BALANCED: f64 = 1e-6;
-    let point = closest(points)?;
-    let (distance_m, bearing_rad) = (point.coords.norm(), point.y.atan2(point.x));
+    let bearing_of = |point: &Point2| point.y.atan2(point.x);
+    let in_base = points.iter().map(|near| near.in_base);
+    let point = nearest_of(in_base.filter(|point| bearing_of(point).abs() <= half_view_rad))?;
+    let (distance_m, bearing_rad) = (point.coords.norm(), bearing_of(&point));
     if bearing_rad.abs() > DEAD_AHEAD_RAD {
         return Some(Stimulus { distance_m, bearing_rad });
     }
@@ -60,6 +66,7 @@ pub fn nearest(points: &[NearPoint]) -> Option<Stimulus> {
 mod tests {
     use super::*;
     use rumbo_core::time::Time;
+    use std::f64::consts::PI;
 
     fn points(points: &[(f64, f64)]) -> Vec<NearPoint> {
         let near = |&(x, y): &(f64, f64)| NearPoint {
@@ -72,12 +79,15 @@ mod tests {
 
     #[test]
     fn a_wall_met_squarely_is_left_on_the_side_with_more_room() {
-        let side = |xs: &[(f64, f64)]| Side::away_from(nearest(&points(xs)).unwrap().bearing_rad);
+        let side = |xs: &[(f64, f64)]| Side::away_from(nearest(&points(xs), PI).unwrap().bearing_rad);
         assert_eq!(side(&[(0.7, 0.0), (0.7, 0.5), (0.7, -0.5)]), Side::Left);
         assert_eq!(side(&[(0.7, 0.0), (0.7, 0.5), (0.7, -0.5), (0.0, 2.0)]), Side::Right);
         assert_eq!(side(&[(0.7, 0.0), (0.7, 0.5), (0.7, -0.5), (0.0, -2.0)]), Side::Left);
         // Not dead ahead: its own side counts.
         assert_eq!(side(&[(0.7, 0.01), (0.0, -0.9)]), Side::Right);
-        assert_eq!(nearest(&[]), None);
+        assert_eq!(nearest(&[], PI), None);
+        let beside = points(&[(0.0, 0.4), (0.9, 0.1)]);
+        assert!((nearest(&beside, PI).unwrap().distance_m - 0.4).abs() < 1e-12);
+        assert!((nearest(&beside, 0.8).unwrap().distance_m - 0.82f64.sqrt()).abs() < 1e-12);
     }
 }

@@ -31,6 +31,9 @@ pub struct BraitenbergParams {
     /// Which way it turns in place: away from what is near and the same way until it is free (`latched`), or by how the
     /// bearing changed (`compare_bearing`, as published, which dithers in corners).
     pub stop_turn: StopTurn,
+    /// The law heeds what is in this sector ahead, degrees: a camera's whole view, and not what a sonar hears beside the
+    /// robot, which is for the brakes only.
+    pub view_deg: f64,
     /// What left the view of the sensors.
     pub memory: MemoryParams,
     /// Slows and stops in front of everything that the hull would meet; off, as published, this is left to the guard.
@@ -55,6 +58,7 @@ impl Default for BraitenbergParams {
             least_m_s: 0.6,
             spin_m_s: 0.6,
             stop_turn: StopTurn::Latched,
+            view_deg: 75.0,
             memory: MemoryParams::default(),
             brakes: true,
             clearance_m: 0.05,
@@ -81,6 +85,7 @@ impl Params for BraitenbergParams {
             faults.add("least_m_s", format!("{found}, expected at most speed_m_s"));
         }
         faults.above("spin_m_s", self.spin_m_s);
+        faults.range("view_deg", self.view_deg, 1.0, 360.0);
         self.memory.check(&mut faults);
         faults.least("clearance_m", self.clearance_m);
         faults.finite("floor_m", self.floor_m);

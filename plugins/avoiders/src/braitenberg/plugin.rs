@@ -70,7 +70,8 @@ impl Braitenberg {
     /// The law's motion where the brakes allow it; else a turn in place until they allow to go straight on.
     fn drive(&mut self, robot: &Robot) -> Twist {
         let MemoryParams { rotation_check, repel, .. } = self.params.memory;
-        let stimulus = nearest(self.lookout.near.points(repel));
+        let half_view_rad = self.params.view_deg.to_radians() / 2.0;
+        let stimulus = nearest(self.lookout.near.points(repel), half_view_rad);
         if !self.params.brakes {
             return self.wanted(stimulus, robot);
         }

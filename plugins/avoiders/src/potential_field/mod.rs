@@ -6,6 +6,7 @@
 pub mod aim;
 pub mod classical;
 pub mod descent;
+pub mod detour;
 pub mod field;
 pub mod near_rule;
 mod params;

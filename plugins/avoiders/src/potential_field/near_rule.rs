@@ -109,7 +109,7 @@ impl NearControl {
     }
 
     /// A turn in place to where the robot gets out, the same one until nothing is in the way.
-    pub fn turn_away(&mut self, pull: &Pull) -> WheelPair {
+    fn turn_away(&mut self, pull: &Pull) -> WheelPair {
         let NearTuning { corridor, full_m_s, .. } = self.tuning;
         let side = *self.side.get_or_insert(Self::way_out(pull));
         WheelPair::spin(side.sign() * corridor.spin_m_s.min(full_m_s))

@@ -3,6 +3,7 @@
 use super::PotentialFieldParams;
 use super::aim::Progressing;
 use super::descent::{Descent, Place};
+use super::detour::Detour;
 use super::near_rule::{NearControl, Pull};
 use super::turn::turn_error_rad;
 use crate::clear_way::ClearWay;
@@ -10,15 +11,16 @@ use crate::effort::Effort;
 use crate::explained::is_near_occupied;
 use crate::lookout::Lookout;
 use crate::near_points::{NearTuning, Sight};
-use crate::nearest::nearest;
+use crate::nearest::{Side, nearest};
 use crate::pulse::Pulse;
-use crate::wheels::{searching, track_m, turn_in_time_rad_s, within_limits};
+use crate::wheels::{WheelPair, searching, track_m, turn_in_time_rad_s, within_limits};
 use rumbo_core::frames::{Point2, Pose2, Twist};
 use rumbo_core::messages::{ObservationKind, Obstacle, Path};
 use rumbo_core::registry::{Manifest, Plugin};
 use rumbo_core::robot::{DriveKind, Robot};
 use rumbo_core::stages::{AvoidError, AvoidInput, Avoider, BuildContext, BuildError, Cx, Steering};
 use rumbo_core::time::{Span, Time};
+use std::f64::consts::PI;
 
 rumbo_core::register_avoider!(
     PotentialFieldParams,
@@ -35,12 +37,22 @@ pub struct PotentialField {
     control: NearControl,
     lookout: Lookout,
     clear: ClearWay,
+    detour: Detour,
     effort: Effort,
     pulse: Pulse,
     along: Progressing,
     following: Option<u64>,
     is_at_end: bool,
     /// The path is blocked, and this was said.
+    is_blocked: bool,
+}
+
+/// Where field and near rule want to go.
+#[derive(Debug, Clone, Copy)]
+struct Wish {
+    pull: Pull,
+    twist: Twist,
+    /// Something stands in the corridor ahead.
     is_blocked: bool,
 }
 
@@ -67,6 +79,7 @@ impl PotentialField {
             lookout,
             clear: ClearWay::new(robot.hull(), params.clearance_m),
             effort: Effort::new(Span::from_secs(params.stuck_after_s), robot.hull().outer_radius_m()),
+            detour: Detour::default(),
             pulse: Pulse::default(),
             along: Progressing::default(),
             params: params.clone(),
@@ -86,6 +99,7 @@ impl PotentialField {
             self.following = Some(input.path_number);
             (self.is_blocked, self.is_at_end) = (false, false);
             self.along = Progressing::default();
+            self.detour.end();
         }
         (!self.is_blocked).then_some(path)
     }
@@ -109,7 +123,7 @@ impl PotentialField {
     }
 
     /// Where the field, and what is very near, want to go.
-    fn wanted(&mut self, path: &Path, input: &AvoidInput<'_>) -> (Pull, Twist) {
+    fn wanted(&mut self, path: &Path, input: &AvoidInput<'_>) -> Wish {
         let position = Point2::from(input.map_from_base.translation.vector);
         let place = Place {
             position,
@@ -119,16 +133,16 @@ impl PotentialField {
         };
         let points = self.lookout.near.points(self.params.memory.repel);
         let (strength, turn_error_rad) = self.descent.pull(&place, points);
-        let pull = Pull { strength, turn_error_rad, nearest: nearest(points) };
+        let pull = Pull { strength, turn_error_rad, nearest: nearest(points, PI) };
         let is_blocked = self.control.is_blocked(points);
         let twist = self.twist(&pull, is_blocked, input.robot);
         if is_blocked {
-            return (pull, searching(twist, input.robot));
+            return Wish { pull, twist: searching(twist, input.robot), is_blocked };
         }
         // Wheels that cannot stop a turn at once begin to end it in time.
         let slowing_rad_s2 = input.robot.max_turn_accel_rad_s2();
         let turn_rad_s = turn_in_time_rad_s(turn_error_rad, twist.turn_rad_s, slowing_rad_s2);
-        (pull, Twist { turn_rad_s, ..twist })
+        Wish { pull, twist: Twist { turn_rad_s, ..twist }, is_blocked }
     }
 
     fn twist(&mut self, pull: &Pull, is_blocked: bool, robot: &Robot) -> Twist {
@@ -136,27 +150,42 @@ impl PotentialField {
     }
 
     /// What may be driven of what is wanted: else a turn in place, to one side or the other.
-    fn allowed(&mut self, pull: &Pull, wanted: Twist, robot: &Robot) -> Option<Twist> {
+    fn allowed(&mut self, wish: &Wish, robot: &Robot, odom_from_base: &Pose2) -> Option<Twist> {
+        let Wish { pull, twist: wanted, is_blocked } = *wish;
         if !self.params.brakes {
             return Some(wanted);
         }
         let wheels = self.pulse.wheels(robot);
         let near = self.lookout.near.points(self.params.memory.rotation_check);
-        let allowed = self.clear.allowed(wanted, &wheels, near);
-        if allowed.is_some() {
-            return allowed;
+        if is_blocked {
+            return self.clear.either_way(wanted, &wheels, near);
         }
-        let spin = if wanted.forward_m_s.abs() > 0.0 {
-            searching(within_limits(self.control.turn_away(pull).twist(self.track_m), robot), robot)
-        } else {
-            wanted
-        };
-        self.clear.either_way(spin, &wheels, near)
+        let is_on_detour = self.detour.is_on(odom_from_base);
+        // Turning back to the way that is closed does not open it.
+        let leads_on = wanted.forward_m_s > 0.0 || !is_on_detour;
+        if let Some(allowed) = self.clear.allowed(wanted, &wheels, near).filter(|_| leads_on) {
+            self.detour.end();
+            return Some(allowed);
+        }
+        if !is_on_detour && wanted.forward_m_s <= 0.0 {
+            return self.clear.either_way(wanted, &wheels, near);
+        }
+        let corridor = self.params.corridor;
+        let straight = within_limits(Twist::new(corridor.beside_m_s, 0.0), robot);
+        if let Some(on) = self.clear.allowed(straight, &wheels, near).filter(|_| is_on_detour) {
+            return Some(on);
+        }
+        let met = self.clear.first_met(wanted, robot, near).map(|point| point.y.atan2(point.x));
+        let seen = pull.nearest.map_or(0.0, |nearest| nearest.bearing_rad);
+        let side = self.detour.begin(odom_from_base, Side::away_from(met.unwrap_or(seen)));
+        let spin = WheelPair::spin(side.sign() * corridor.spin_m_s).twist(self.track_m);
+        self.clear.either_way(searching(within_limits(spin, robot), robot), &wheels, near)
     }
 
     fn drive(&mut self, now: Time, path: &Path, input: &AvoidInput<'_>, odom_from_base: &Pose2) -> Steering {
-        let (pull, wanted) = self.wanted(path, input);
-        let allowed = self.allowed(&pull, wanted, input.robot);
+        let wish = self.wanted(path, input);
+        let wanted = wish.twist;
+        let allowed = self.allowed(&wish, input.robot, odom_from_base);
         // A robot that may not move, and one that is held although it may, are stuck alike.
         let told = allowed.unwrap_or(wanted);
         if told != Twist::ZERO && self.effort.is_in_vain(now, told, odom_from_base) {
