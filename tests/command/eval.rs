@@ -188,8 +188,8 @@ fn a_run_on_a_log_is_judged_by_relations_in_the_logs_own_time() {
         format!("FLASER 3 1.0 1.0 1.0 {x:.3} 0 0 {x:.3} 0 0 {stamp:.3} robot {stamp:.3}\n")
     };
     let log = files.write("way.clf", (0..20).map(line).collect::<String>());
-    let relations =
-        files.write("r.txt", "1000.5 1005 0.9 0 0 0 0 0\n1001 1009.5 1.7 0 0 0 0 0\n1001 1002 0.5 0 0 0 0 0\n");
+    let relations = files
+        .write("r.txt", "1000.5 1005 0.9 0 0 0 0 0\n1001 1009.5 1.7 0 0 0 0 0\n1001 1002 0.5 0 0 0 0 0\n");
     let poses = files.0.join("poses.txt").display().to_string();
     let set = format!("world.file={log}");
     let run =
