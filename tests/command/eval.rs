@@ -188,15 +188,15 @@ fn a_run_on_a_log_is_judged_by_relations_in_the_logs_own_time() {
         format!("FLASER 3 1.0 1.0 1.0 {x:.3} 0 0 {x:.3} 0 0 {stamp:.3} robot {stamp:.3}\n")
     };
     let log = files.write("way.clf", (0..20).map(line).collect::<String>());
-    let relations =
-        files.write("r.txt", "1000 1005 1.0 0 0 0 0 0\n1001 1009.5 1.7 0 0 0 0 0\n1001 1002 0.5 0 0 0 0 0\n");
+    let relations = files
+        .write("r.txt", "1000.5 1005 0.9 0 0 0 0 0\n1001 1009.5 1.7 0 0 0 0 0\n1001 1002 0.5 0 0 0 0 0\n");
     let poses = files.0.join("poses.txt").display().to_string();
     let set = format!("world.file={log}");
     let run =
         ["run", "pipelines/mapping_log.toml", "--set", &set, "--poses", &poses, "--no-report", "--quiet"];
     let ran = give(&run);
     assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(std::fs::read_to_string(&poses).unwrap().starts_with("0.000000 0.000000 0.000000 "));
+    assert!(std::fs::read_to_string(&poses).unwrap().starts_with("0.500000 0.100000 0.000000 "));
     let judged = give(&["eval", "relations", &poses, &relations, "--since", &log, "--json"]).json();
     assert_eq!(judged["n_used"], 3);
     // The third one says 50 cm where there were 20.
