@@ -157,9 +157,9 @@ impl Viewed<'_> {
                     ring.max_range_m,
                 )
             }
-            // A direction without a point may be one that the camera does not look at.
+            // A cloud does not say where its camera looks: without a point it may be elsewhere.
             Reading::Cloud(bins) => match bins.get(bin_of(toward)).copied().flatten() {
-                None => Glance::NoReading,
+                None => Glance::Outside,
                 Some(point) => Glance::At((point - self.center).norm()),
             },
         }

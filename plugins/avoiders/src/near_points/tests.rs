@@ -107,6 +107,22 @@ fn what_left_the_view_is_remembered_for_a_while_and_within_reach() {
     assert!(positions(&mut near, 3.01, &turned(60.0), true).is_empty());
 }
 
+/// A cloud without a point in a direction may look elsewhere: what it showed there is remembered for a while, and not seen.
+#[test]
+fn what_a_cloud_shows_no_more_is_remembered_for_a_while() {
+    let cloud = |stamp_s: f64, points: Vec<[f32; 3]>| {
+        let data = Data::PointCloud(PointCloud { points_m: Buffer::from(points) });
+        observation(0, stamp_s, Pose3::identity(), data)
+    };
+    let (mut near, turned) = (near(3.0), pose2(0.0, 0.0, 1.0));
+    near.see(&cloud(0.0, vec![[1.0, 0.0, 0.2]]), &Pose2::identity());
+    for k in 1..60 {
+        near.see(&cloud(0.1 * f64::from(k), vec![[f32::NAN; 3]]), &turned);
+        assert!(positions(&mut near, 0.1 * f64::from(k), &turned, false).is_empty());
+        assert_eq!(near.points(true).len(), usize::from(k <= 30), "{k}");
+    }
+}
+
 #[test]
 fn what_is_far_away_by_now_is_forgotten() {
     let mut near = near(30.0);
