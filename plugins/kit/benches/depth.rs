@@ -1,4 +1,6 @@
 //! A depth picture of 640 x 480. Bars: 0.12 ms as points, 2 ms as a scan; Open3D needs 2.84 ms for the points.
+#![allow(clippy::expect_used)]
+
 use divan::counter::BytesCount;
 use nalgebra::UnitQuaternion;
 use rumbo_core::rng::{RngExt as _, stream};
