@@ -13,7 +13,7 @@ use super::turn::Turn;
 use rumbo_core::frames::wrap_angle;
 use rumbo_core::messages::{Check, Observation, ObservationKind, Observations, Seen};
 use rumbo_core::registry::{Registry, Stage};
-use rumbo_core::stages::{Advance, Cx, Sensor, SensorError};
+use rumbo_core::stages::{Advance, Cx, Sensor, SensorError, WorldError};
 use rumbo_core::time::Time;
 use rumbo_core::trace::Trace;
 
@@ -123,7 +123,12 @@ fn passes_a_recording_on(subject: &Subject) -> Verdict {
         && let Ok(Advance::Reached(now)) = world.advance(due)
     {
         let polled = sensor.poll(&mut Cx { now, trace: &trace }, world.as_mut(), &mut out);
-        polled.map_err(|error| Trouble::broken(error.to_string(), "what is recorded"))?;
+        polled.map_err(|error| match error {
+            SensorError::World(WorldError::Unsupported { probe }) => Trouble::not_applicable(format!(
+                "it wants {probe}, which the made-up recording does not have"
+            )),
+            error => Trouble::broken(error.to_string(), "what is recorded"),
+        })?;
     }
     let mut last = None;
     for observation in out.iter() {
