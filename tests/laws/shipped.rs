@@ -36,7 +36,16 @@ const NOT_APPLICABLE: [(&str, &[&str]); 8] = [
     ),
     (
         "a recording is passed on as it is",
-        &["bumper_ring", "depth_to_scan", "gps", "imu", "kinect", "mark_camera", "sonar_ring", "steering_encoder"],
+        &[
+            "bumper_ring",
+            "depth_to_scan",
+            "gps",
+            "imu",
+            "kinect",
+            "mark_camera",
+            "sonar_ring",
+            "steering_encoder",
+        ],
     ),
     // Virtual sensors ask no world.
     ("it survives a world that answers nonsense, and goes on", &["depth_to_scan"]),
