@@ -26,14 +26,16 @@ fn keep_their_laws(stage: Stage) {
 }
 
 /// Laws that say nothing of plugins that are shipped, and of which; all where no names are given.
-const NOT_APPLICABLE: [(&str, &[&str]); 8] = [
+const NOT_APPLICABLE: [(&str, &[&str]); 9] = [
     ("values outside the ranges of its schema are refused", &[]),
     // Where their search ends by itself before it can be told to.
     ("a give_up raised during the search ends it", &["fictitious_charges", "potential_field"]),
     (
         "a world turned or mirrored gives the ranges of the same walls",
-        &["bumper_ring", "gps", "imu", "mark_camera", "steering_encoder", "wheel_encoders"],
+        &["bumper_ring", "gps", "imu", "mark_camera", "person_tracker", "steering_encoder", "wheel_encoders"],
     ),
+    // It wanders.
+    ("it brings the robot to the end of the path", &["braitenberg"]),
     (
         "a recording is passed on as it is",
         &[
@@ -43,6 +45,7 @@ const NOT_APPLICABLE: [(&str, &[&str]); 8] = [
             "imu",
             "kinect",
             "mark_camera",
+            "person_tracker",
             "sonar_ring",
             "steering_encoder",
         ],

@@ -112,7 +112,7 @@ impl Avoider for Braitenberg {
 
 impl Plugin<dyn Avoider> for BraitenbergParams {
     fn manifest(&self) -> Manifest {
-        let eyes = vec![ObservationKind::PointCloud, ObservationKind::LaserScan, ObservationKind::RangeRing];
+        let eyes = vec![ObservationKind::LaserScan, ObservationKind::RangeRing, ObservationKind::PointCloud];
         Manifest {
             consumes: vec![eyes],
             drives: vec![DriveKind::Differential],

@@ -243,7 +243,7 @@ impl Avoider for PotentialField {
 
 impl Plugin<dyn Avoider> for PotentialFieldParams {
     fn manifest(&self) -> Manifest {
-        let eyes = vec![ObservationKind::PointCloud, ObservationKind::LaserScan, ObservationKind::RangeRing];
+        let eyes = vec![ObservationKind::LaserScan, ObservationKind::RangeRing, ObservationKind::PointCloud];
         Manifest {
             consumes: vec![eyes],
             drives: vec![DriveKind::Differential],

@@ -12,6 +12,9 @@ use rumbo_core::odometry_track::OdometryTrack;
 use rumbo_core::robot::Drive;
 use rumbo_core::time::Time;
 
+/// No robot is as fast, m/s: an odometer that reads more has lost its place.
+const FASTEST_M_S: f64 = 1000.0;
+
 /// What was left out, since the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LeftOut {
@@ -158,6 +161,10 @@ impl Running {
         }
         let mean = self.odometer.advance(stamp, odometry.odom_from_base);
         let (Some(steps), Some(mean)) = (admitted?, mean) else { return Ok(()) };
+        if mean.forward_m_s.abs() > FASTEST_M_S {
+            self.left_out.refused += 1;
+            return Ok(());
+        }
         let seconds = if steps.n > 0 { steps.all_s() } else { mean.seconds };
         let noise = settings.odometer.of(odometry.noise, &settings.filter.wheels);
         let read = [mean.forward_m_s, mean.turn_rad_s];

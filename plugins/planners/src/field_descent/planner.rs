@@ -71,43 +71,64 @@ impl Search<'_> {
             charges: *charges,
         };
         let (mut rng, mut failures) = (rng.clone(), Failures::default());
+        let mut first_stuck = None;
         let clearance_m = self.rules.minimum_clearance_m;
         for attempt in given.followed_by(&settings.attraction, clearance_m, *n_attempts) {
             if self.request.give_up.is_raised() {
                 return Err(PlanError::GivenUp);
             }
             match self.walk(&attempt, &mut rng) {
-                Ok(walk) => return Ok(walk),
-                Err(PlanError::GivenUp) => return Err(PlanError::GivenUp),
-                Err(failure) => failures.add(failure, &attempt),
+                Ok(walk) if walk.end == End::Arrived => return Ok(self.forward(&attempt, walk)),
+                Ok(walk) if walk.end == End::GivenUp => return Err(PlanError::GivenUp),
+                Ok(walk) => {
+                    failures.add(failure::of(&walk, &self.rules, attempt.charges.as_ref()), &attempt);
+                    if !attempt.is_backward {
+                        first_stuck.get_or_insert((attempt, walk));
+                    }
+                }
+                Err(refusal) => failures.add(refusal, &attempt),
             }
+        }
+        if let Some((attempt, walk)) = first_stuck {
+            figures::draw(self.request, &self.field(&attempt), attempt.charges.as_ref(), &walk);
         }
         Err(failures.summed_up())
     }
 
     fn walk(&self, attempt: &Attempt, rng: &mut Rng) -> Result<Walk, PlanError> {
-        let request = self.request;
-        let ends = [Point2::from(request.start.translation.vector), request.goal.position];
-        let [start, goal] = if attempt.is_backward { [ends[1], ends[0]] } else { ends };
-        let field = Field {
+        let field = self.field(attempt);
+        failure::check_goal(&field, &self.rules)?;
+        let mut give_up = || self.request.give_up.is_raised();
+        let [start, _] = self.ends(attempt);
+        Ok(descend(&field, &self.rules, attempt.charges.as_ref(), start, rng, &mut give_up))
+    }
+
+    /// A walk that arrived, drawn, from the robot to its goal.
+    fn forward(&self, attempt: &Attempt, mut walk: Walk) -> Walk {
+        figures::draw(self.request, &self.field(attempt), attempt.charges.as_ref(), &walk);
+        if attempt.is_backward {
+            let [_, goal] = self.ends(attempt);
+            walk.points.push(goal);
+            walk.points.reverse();
+        }
+        walk
+    }
+
+    fn field(&self, attempt: &Attempt) -> Field<'_> {
+        let [_, goal] = self.ends(attempt);
+        Field {
             goal,
             attraction: self.planner.settings.attraction,
             obstacles: self.obstacles,
             repulsion: attempt.repulsion,
             goal_scaling_m: attempt.goal_scaling_m,
-        };
-        failure::check_goal(&field, &self.rules)?;
-        let mut give_up = || request.give_up.is_raised();
-        let mut walk = descend(&field, &self.rules, attempt.charges.as_ref(), start, rng, &mut give_up);
-        if walk.end != End::Arrived {
-            return Err(failure::of(&walk, &self.rules, attempt.charges.as_ref()));
         }
-        figures::draw(request, &field, attempt.charges.as_ref(), &walk);
-        if attempt.is_backward {
-            walk.points.push(goal);
-            walk.points.reverse();
-        }
-        Ok(walk)
+    }
+
+    /// Where the walk begins, and where it leads.
+    fn ends(&self, attempt: &Attempt) -> [Point2; 2] {
+        let ends = [Point2::from(self.request.start.translation.vector), self.request.goal.position];
+        if attempt.is_backward { [ends[1], ends[0]] } else { ends }
     }
 }
 
