@@ -1,6 +1,6 @@
 //! Following a person: where to go next, of positions that keep coming.
 //!
-//! Lima Fernández (2013), appendix A.2: the goal is the person's position. Who is faster than the robot leaves a trail of
+//! Valverde Moreno (2015), appendix A.2: the goal is the person's position. Who is faster than the robot leaves a trail of
 //! positions behind, and the robot takes them one after the other, oldest first, so that it goes round corners as the
 //! person did.
 

@@ -27,12 +27,8 @@ pub fn for_each_point(observation: &Observation, reach_m: f64, mut keep: impl Fn
                 .for_each(|(bearing_rad, range_m)| keep_near(bearing_rad, range_m));
         }
         Data::RangeRing(ring) => {
-            for (idx, range_m) in ring.ranges_m.iter().enumerate() {
-                if *range_m >= ring.min_range_m && *range_m <= ring.max_range_m {
-                    let bearing_rad = ring.first_bearing_rad + ring.bearing_step_rad * idx as f64;
-                    keep_near(bearing_rad, ring.ring_radius_m + f64::from(*range_m));
-                }
-            }
+            ring.echoes()
+                .for_each(|(bearing_rad, range_m)| keep_near(bearing_rad, ring.ring_radius_m + range_m));
         }
         Data::Bumpers(bumpers) => {
             bumpers.touching().for_each(|bearing_rad| keep_near(bearing_rad, bumpers.ring_radius_m));

@@ -1,6 +1,6 @@
 //! The stall monitor: a robot that should be on its way and makes none.
 //!
-//! Lima Fernández (2013), section 4.3, leaves local minima to whoever places the waypoints; this says when one holds the
+//! Valverde Moreno (2015), section 4.3, leaves local minima to whoever places the waypoints; this says when one holds the
 //! robot. Progress is what the map *and* the odometer agree on: an estimate that jumps about does not make a robot that
 //! stands look as if it drove, and neither do wheels that spin.
 

@@ -77,6 +77,17 @@ pub struct RangeRing {
     pub ranges_m: Buffer<f32>,
 }
 
+impl RangeRing {
+    /// Bearing (radians) and range (meters, from the transducer) of every echo within the device's reach.
+    pub fn echoes(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        self.ranges_m.iter().enumerate().filter_map(|(idx, &range)| {
+            let is_echo = range >= self.min_range_m && range <= self.max_range_m;
+            let bearing_rad = || self.first_bearing_rad + self.bearing_step_rad * idx as f64;
+            is_echo.then(|| (bearing_rad(), f64::from(range)))
+        })
+    }
+}
+
 impl Check for RangeRing {
     fn check(&self) -> Result<(), MessageFault> {
         let c = Checker("range_ring");

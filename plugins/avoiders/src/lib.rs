@@ -18,6 +18,7 @@ pub mod pure_pursuit;
 pub mod short_memory;
 pub mod sightings;
 pub mod stop_and_replan;
+pub mod two_wheeled;
 pub mod view;
 pub mod wheels;
 

@@ -140,13 +140,7 @@ fn hits(scan: &LaserScan, keep: &mut impl FnMut(f64, f64, f64)) {
 }
 
 fn echoes(ring: &RangeRing, keep: &mut impl FnMut(f64, f64, f64)) {
-    for (idx, range) in ring.ranges_m.iter().enumerate() {
-        if *range >= ring.min_range_m && *range <= ring.max_range_m {
-            let range_m = f64::from(*range);
-            let bearing_rad = ring.first_bearing_rad + ring.bearing_step_rad * idx as f64;
-            keep(bearing_rad, range_m, ring.ring_radius_m + range_m);
-        }
-    }
+    ring.echoes().for_each(|(bearing_rad, range_m)| keep(bearing_rad, range_m, ring.ring_radius_m + range_m));
 }
 
 /// A point of the sensor's plane on the floor, also for a sensor that is mounted upside down.

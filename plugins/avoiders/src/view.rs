@@ -119,12 +119,8 @@ impl Viewed<'_> {
         match self.reading {
             Reading::Scan(scan) => scan.hits().for_each(|(bearing_rad, range_m)| polar(bearing_rad, range_m)),
             Reading::Ring(ring) => {
-                for (idx, range) in ring.ranges_m.iter().enumerate() {
-                    if *range >= ring.min_range_m && *range <= ring.max_range_m {
-                        let bearing_rad = ring.first_bearing_rad + ring.bearing_step_rad * idx as f64;
-                        polar(bearing_rad, ring.ring_radius_m + f64::from(*range));
-                    }
-                }
+                ring.echoes()
+                    .for_each(|(bearing_rad, range_m)| polar(bearing_rad, ring.ring_radius_m + range_m));
             }
             Reading::Cloud(bins) => bins.iter().flatten().for_each(|point| visit(*point)),
         }

@@ -8,6 +8,7 @@ use std::io::{Error, ErrorKind, Read as _, Result, Write as _};
 use std::net::{TcpStream, ToSocketAddrs as _};
 use std::time::Duration;
 
+use rumbo_core::stages::BuildError;
 use serialport::SerialPort;
 
 /// A read waits at most so long.
@@ -68,6 +69,12 @@ impl PortFault {
 /// An address that names something: the name of a serial port, or `tcp://host:port`.
 pub fn is_address(text: &str) -> bool {
     text.strip_prefix(BRIDGE).map_or(!text.is_empty(), |host| host.rsplit_once(':').is_some())
+}
+
+/// What is wrong with the key `port` of a device, where it is given.
+pub fn address_fault(port: Option<&str>) -> Option<BuildError> {
+    let is_wrong = port.is_some_and(|port| !is_address(port));
+    is_wrong.then(|| BuildError::at("port", "names no port, expected a serial port or tcp://host:port"))
 }
 
 /// What leads to a device.

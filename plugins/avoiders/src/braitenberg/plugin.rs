@@ -8,11 +8,11 @@ use crate::memory_params::MemoryParams;
 use crate::near_points::{NearTuning, Sight};
 use crate::nearest::{Side, Stimulus, nearest};
 use crate::pulse::Pulse;
+use crate::two_wheeled;
 use crate::wheels::{WheelPair, searching, track_m, within_limits};
 use rumbo_core::frames::Twist;
-use rumbo_core::messages::ObservationKind;
 use rumbo_core::registry::{Manifest, Plugin};
-use rumbo_core::robot::{DriveKind, Robot};
+use rumbo_core::robot::Robot;
 use rumbo_core::stages::{AvoidError, AvoidInput, Avoider, BuildContext, BuildError, Cx, Steering};
 use rumbo_core::time::Span;
 
@@ -112,23 +112,12 @@ impl Avoider for Braitenberg {
 
 impl Plugin<dyn Avoider> for BraitenbergParams {
     fn manifest(&self) -> Manifest {
-        let eyes = vec![ObservationKind::LaserScan, ObservationKind::RangeRing, ObservationKind::PointCloud];
-        Manifest {
-            consumes: vec![eyes],
-            drives: vec![DriveKind::Differential],
-            default_rate_hz: Some(20.0),
-            ..Manifest::default()
-        }
+        two_wheeled::manifest()
     }
 
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Avoider>, BuildError> {
-        let avoider = Braitenberg::new(self, &context.robot).ok_or_else(|| {
-            let kind = context.robot.drive.kind().name();
-            BuildError::at(
-                "",
-                format!("steers the two wheels of a differential drive, and the robot's is {kind}"),
-            )
-        })?;
+        let avoider =
+            Braitenberg::new(self, &context.robot).ok_or_else(|| two_wheeled::other_drive(&context.robot))?;
         Ok(Box::new(avoider))
     }
 }

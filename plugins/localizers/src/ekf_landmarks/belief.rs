@@ -1,6 +1,6 @@
 //! The belief: a normal distribution of the pose and the scales of the odometer.
 
-use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, Vector2};
 use rumbo_core::frames::{Pose2, wrap_angle};
 
 use super::known_marks::KnownMark;
@@ -150,12 +150,4 @@ fn of_state(by_pose: &Matrix2x3<f64>) -> ByState {
 /// Of the measurement and of the mark's place.
 fn noise_of(sighting: &Sighting, mark: &KnownMark, expected: &Expected) -> Matrix2<f64> {
     sighting.noise + expected.by_mark * mark.covariance * expected.by_mark.transpose()
-}
-
-/// Largest standard deviation of the position in any direction (m), and that of the heading (rad).
-pub fn deviations(covariance: &Matrix3<f64>) -> [f64; 2] {
-    let position = covariance.fixed_view::<2, 2>(0, 0).into_owned();
-    let largest: f64 = position.symmetric_eigenvalues().max();
-    let heading: Vector3<f64> = covariance.diagonal();
-    [largest.max(0.0).sqrt(), heading.z.max(0.0).sqrt()]
 }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::sureness::Sureness;
 use super::tracker::TrackerSettings;
+use crate::number_faults::number_faults;
 
 /// An extended Kalman filter that follows a robot by known marks: range and bearing to marks of the map's layer
 /// `landmarks`, and the odometer in between. A robot that may be anywhere is found once three marks that it knows were
@@ -112,15 +113,7 @@ impl Params for EkfLandmarksParams {
             ("sure_deviation_deg", self.sure_deviation_deg),
             ("jump_m", self.jump_m),
         ];
-        let fault = |key: &str, value: f64, expected: &str| {
-            BuildError::at(key, format!("is {value}, expected a finite number {expected}"))
-        };
-        let mut faults: Vec<BuildError> = at_least_0
-            .filter(|(_, value)| !(*value >= 0.0 && value.is_finite()))
-            .map(|(key, value)| fault(key, value, "of at least zero"))
-            .collect();
-        let not_above = above_0.into_iter().filter(|(_, value)| !(*value > 0.0 && value.is_finite()));
-        faults.extend(not_above.map(|(key, value)| fault(key, value, "above zero")));
+        let mut faults = number_faults(at_least_0, above_0);
         if self.lost_after == 0 {
             faults.push(BuildError::at("lost_after", "is 0, expected at least 1"));
         }

@@ -1,14 +1,14 @@
 //! The filter as a localizer.
 
-use rumbo_core::frames::Pose2;
 use rumbo_core::map::{Layer, Map};
-use rumbo_core::messages::{Check, Data, Estimate, MessageFault, ObservationKind, Prior, Seen};
+use rumbo_core::messages::{Check, Data, Estimate, ObservationKind, Prior, Seen};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, LocalizeError, Localizer};
 
 use super::known_marks::KnownMarks;
 use super::params::EkfLandmarksParams;
 use super::tracker::{Tracker, TrackerSettings};
+use crate::prior::beginning;
 
 /// See [`EkfLandmarksParams`].
 #[derive(Debug)]
@@ -37,20 +37,7 @@ impl Localizer for EkfLandmarks {
         prior.check()?;
         self.known = None;
         self.look_at_map(map)?;
-        let (at, odom_from_base) = match prior {
-            Prior::Saved(_) => {
-                return Err(LocalizeError::Prior { prior: "a saved state", needs: "a pose, or three marks" });
-            }
-            Prior::Unknown => (None, Pose2::identity()),
-            Prior::Pose { map_from_base, odom_from_base, covariance } => {
-                if let Some(negative) = covariance.diagonal().iter().find(|v| **v < 0.0) {
-                    let (message, field) = ("prior", "covariance diagonal");
-                    let (found, expected) = (negative.to_string(), "numbers of at least zero");
-                    return Err(MessageFault { message, field, found, expected }.into());
-                }
-                (Some((*map_from_base, *covariance)), *odom_from_base)
-            }
-        };
+        let (at, odom_from_base) = beginning(prior, "a pose, or three marks")?;
         self.tracker = Some(Tracker::new(self.settings.clone(), at, odom_from_base));
         Ok(())
     }

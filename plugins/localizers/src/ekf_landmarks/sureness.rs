@@ -3,7 +3,7 @@
 use nalgebra::Matrix3;
 use rumbo_core::messages::Status;
 
-use super::belief::deviations;
+use crate::deviations::deviations;
 
 /// When a robot counts as followed, and when as lost.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,15 +3,16 @@
 use nalgebra::{Matrix2, Matrix3, Vector2};
 use rumbo_core::frames::{Pose2, Pose3, Twist, flatten};
 use rumbo_core::messages::{Mark, Marks, Odometry, Status};
-use rumbo_core::time::{Span, Time};
+use rumbo_core::time::Time;
 
-use super::belief::{Belief, GATE, deviations};
+use super::belief::{Belief, GATE};
 use super::fix::locate;
 use super::known_marks::{KnownMark, KnownMarks};
 use super::recent::Recent;
 use super::sighting::Sighting;
 use super::sureness::Sureness;
-use crate::particle_filter::odometry_history::{OdometryHistory, Reading};
+use crate::deviations::deviations;
+use crate::odometry_history::{OdometryHistory, Reading};
 
 /// How the filter works.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,8 +67,6 @@ pub struct Tracker {
 
 /// No camera measures better than this, whatever it claims: meters and radians.
 const LEAST_DEVIATIONS: [f64; 2] = [0.002, 0.001];
-/// A mark may be so much newer than the odometer's newest reading.
-const MOST_AHEAD: Span = Span(500_000_000);
 /// Before the first reading the odometer may have moved unseen for this long, seconds.
 const BEFORE_FIRST_S: f64 = 1.0;
 /// A mark without identity must fit worse to every other one by so much (squared Mahalanobis distance).
@@ -164,7 +163,7 @@ impl Tracker {
 
     /// Marks that a sensor saw at a time.
     pub fn take_marks(&mut self, stamp: Time, base_from_sensor: &Pose3, seen: &Marks, known: &KnownMarks) {
-        let Some(now_from_then) = self.now_from_then(stamp) else {
+        let Some(now_from_then) = self.odometry.now_from_then(stamp, &self.twist) else {
             self.counts.n_untimely += seen.marks.len() as u32;
             return;
         };
@@ -181,16 +180,6 @@ impl Tracker {
         if is_lost {
             self.look_for_fix(&odom_from_base, known);
         }
-    }
-
-    /// Where the base was at a time, seen from where it is in the belief.
-    fn now_from_then(&self, stamp: Time) -> Option<Pose2> {
-        let Some((newest, odom_from_now)) = self.odometry.newest() else { return Some(Pose2::identity()) };
-        if stamp > newest {
-            let ahead = stamp - newest;
-            return (ahead <= MOST_AHEAD).then(|| self.twist.integrate(ahead.as_secs()));
-        }
-        self.odometry.at(stamp).map(|odom_from_then| odom_from_now.inverse() * odom_from_then)
     }
 
     fn sighting(&self, mark: &Mark, seen: &Marks, base_from_sensor: &Pose2) -> Sighting {

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::ekf::EkfSettings;
 use super::pulled::PulledSettings;
 use super::tracker::TrackerSettings;
+use crate::number_faults::number_faults;
 
 /// Where a robot is by satellite fixes (`gps`), the yaw of an inertial measurement unit (`imu`) and wheels, without a map.
 ///
@@ -156,15 +157,7 @@ impl Params for GpsImuParams {
             ("sure_deviation_deg", self.sure_deviation_deg),
             ("jump_m", self.jump_m),
         ]);
-        let fault = |key: &str, value: f64, expected: &str| {
-            BuildError::at(key, format!("is {value}, expected a finite number {expected}"))
-        };
-        let mut faults: Vec<BuildError> = at_least_0
-            .filter(|(_, value)| !(*value >= 0.0 && value.is_finite()))
-            .map(|(key, value)| fault(key, value, "of at least zero"))
-            .collect();
-        let not_above = above_0.filter(|(_, value)| !(*value > 0.0 && value.is_finite()));
-        faults.extend(not_above.map(|(key, value)| fault(key, value, "above zero")));
+        let mut faults = number_faults(at_least_0, above_0);
         if self.reset_after == 0 {
             faults.push(BuildError::at("reset_after", "is 0, expected at least 1"));
         }

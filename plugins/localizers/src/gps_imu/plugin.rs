@@ -1,13 +1,13 @@
 //! The localizer as a stage of the framework.
 
-use rumbo_core::frames::Pose2;
 use rumbo_core::map::Map;
-use rumbo_core::messages::{Check, Data, Estimate, MessageFault, ObservationKind, Prior, Seen};
+use rumbo_core::messages::{Check, Data, Estimate, ObservationKind, Prior, Seen};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, LocalizeError, Localizer};
 
 use super::params::{Fusion, GpsImuParams, HeadingSource};
 use super::tracker::{Tracker, TrackerSettings};
+use crate::prior::beginning;
 
 /// See [`GpsImuParams`].
 #[derive(Debug)]
@@ -25,27 +25,13 @@ impl GpsImu {
 
 impl Localizer for GpsImu {
     fn start(&mut self, prior: &Prior, _map: &Map) -> Result<(), LocalizeError> {
-        prior.check()?;
-        let (at, odom_from_base) = match prior {
-            Prior::Saved(_) => {
-                return Err(LocalizeError::Prior { prior: "a saved state", needs: "a pose, or a fix" });
-            }
-            Prior::Unknown if Self::needs_start_pose((self.settings.fusion, self.settings.heading)) => {
-                return Err(LocalizeError::Prior {
-                    prior: "an unknown pose",
-                    needs: "a pose, or a measured yaw",
-                });
-            }
-            Prior::Unknown => (None, Pose2::identity()),
-            Prior::Pose { map_from_base, odom_from_base, covariance } => {
-                if let Some(negative) = covariance.diagonal().iter().find(|v| **v < 0.0) {
-                    let (message, field) = ("prior", "covariance diagonal");
-                    let (found, expected) = (negative.to_string(), "numbers of at least zero");
-                    return Err(MessageFault { message, field, found, expected }.into());
-                }
-                (Some((*map_from_base, *covariance)), *odom_from_base)
-            }
-        };
+        let (at, odom_from_base) = beginning(prior, "a pose, or a fix")?;
+        if at.is_none() && Self::needs_start_pose((self.settings.fusion, self.settings.heading)) {
+            return Err(LocalizeError::Prior {
+                prior: "an unknown pose",
+                needs: "a pose, or a measured yaw",
+            });
+        }
         self.tracker = Some(Tracker::new(self.settings.clone(), at, odom_from_base));
         Ok(())
     }

@@ -12,7 +12,8 @@ use super::mean3::Mean3;
 use super::params::{Fusion, HeadingSource};
 use super::pulled::{Pulled, PulledSettings, Taken};
 use super::seen_fix::SeenFix;
-use crate::particle_filter::odometry_history::{OdometryHistory, Reading};
+use crate::deviations::deviations;
+use crate::odometry_history::{OdometryHistory, Reading};
 
 /// How the localizer works.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,8 +82,6 @@ enum Filter {
     Before(Alignment),
 }
 
-/// A reading may be so much newer than the odometer's newest.
-const MOST_AHEAD: Span = Span(500_000_000);
 /// Before the first reading the odometer may have moved unseen for this long, seconds.
 const BEFORE_FIRST_S: f64 = 1.0;
 
@@ -140,10 +139,8 @@ impl Tracker {
 
     /// How sure a pose with this covariance is.
     pub fn status(&self, covariance: &Matrix3<f64>) -> Status {
-        let position = covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        let largest_m2: f64 = position.symmetric_eigenvalues().max();
-        let is_sure = largest_m2.max(0.0).sqrt() <= self.settings.sure_m
-            && covariance[(2, 2)].max(0.0).sqrt() <= self.settings.sure_rad;
+        let [position_m, heading_rad] = deviations(covariance);
+        let is_sure = position_m <= self.settings.sure_m && heading_rad <= self.settings.sure_rad;
         if is_sure { Status::Tracking } else { Status::Converging }
     }
 
@@ -225,7 +222,7 @@ impl Tracker {
         else {
             return;
         };
-        let Some(now_from_then) = self.now_from_then(stamp) else {
+        let Some(now_from_then) = self.odometry.now_from_then(stamp, &self.twist) else {
             self.counts.n_untimely += 1;
             return;
         };
@@ -243,7 +240,7 @@ impl Tracker {
 
     /// A fix of a receiver that is mounted like this.
     pub fn take_fix(&mut self, stamp: Time, base_from_sensor: &Pose3, fix: &PositionFix) {
-        let Some(now_from_then) = self.now_from_then(stamp) else {
+        let Some(now_from_then) = self.odometry.now_from_then(stamp, &self.twist) else {
             self.counts.n_untimely += 1;
             return;
         };
@@ -287,15 +284,5 @@ impl Tracker {
     /// The newest time of readings.
     fn note(&mut self, stamp: Time) {
         self.newest = Some(self.newest.map_or(stamp, |newest| newest.max(stamp)));
-    }
-
-    /// Where the base was at a time, seen from where the odometer has it now.
-    fn now_from_then(&self, stamp: Time) -> Option<Pose2> {
-        let Some((newest, odom_from_now)) = self.odometry.newest() else { return Some(Pose2::identity()) };
-        if stamp > newest {
-            let ahead = stamp - newest;
-            return (ahead <= MOST_AHEAD).then(|| self.twist.integrate(ahead.as_secs()));
-        }
-        self.odometry.at(stamp).map(|odom_from_then| odom_from_now.inverse() * odom_from_then)
     }
 }

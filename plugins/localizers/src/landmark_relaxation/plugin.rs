@@ -6,7 +6,7 @@ use super::params::LandmarkRelaxationParams;
 use super::search::{Progress, Search};
 use super::sighting::Sighting;
 use crate::odometry::{DeadReckoning, OdometryParams};
-use crate::particle_filter::odometry_history::OdometryHistory;
+use crate::odometry_history::OdometryHistory;
 use crate::particle_filter::scan_queue::{PendingScan, ScanQueue};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, lift};

@@ -2,9 +2,10 @@
 
 use super::params::OdometryParams;
 use super::propagation::Uncertainty;
+use crate::prior::beginning;
 use rumbo_core::frames::{Pose2, lift};
 use rumbo_core::map::Map;
-use rumbo_core::messages::{Check, Estimate, MessageFault, ObservationKind, Odometry, Prior, Seen};
+use rumbo_core::messages::{Check, Estimate, ObservationKind, Odometry, Prior, Seen};
 use rumbo_core::registry::{Manifest, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, LocalizeError, Localizer};
 use rumbo_core::time::Time;
@@ -75,25 +76,15 @@ impl DeadReckoning {
 
 impl Localizer for DeadReckoning {
     fn start(&mut self, prior: &Prior, _map: &Map) -> Result<(), LocalizeError> {
-        prior.check()?;
-        let needs = "a pose";
-        let (map_from_base, odom_from_base, covariance) = match prior {
-            Prior::Unknown => return Err(LocalizeError::Prior { prior: "an unknown pose", needs }),
-            Prior::Saved(_) => return Err(LocalizeError::Prior { prior: "a saved state", needs }),
-            Prior::Pose { map_from_base, odom_from_base, covariance } => {
-                (map_from_base, odom_from_base, covariance)
-            }
+        let (at, odom_from_base) = beginning(prior, "a pose")?;
+        let Some((map_from_base, covariance)) = at else {
+            return Err(LocalizeError::Prior { prior: "an unknown pose", needs: "a pose" });
         };
-        if let Some(negative) = covariance.diagonal().iter().find(|v| **v < 0.0) {
-            let (message, field) = ("prior", "covariance diagonal");
-            let (found, expected) = (negative.to_string(), "numbers of at least zero");
-            return Err(MessageFault { message, field, found, expected }.into());
-        }
         self.track = Some(Track {
             map_from_odom: map_from_base * odom_from_base.inverse(),
-            odom_from_base: *odom_from_base,
+            odom_from_base,
             stamp: None,
-            uncertainty: Uncertainty::new(*covariance),
+            uncertainty: Uncertainty::new(covariance),
         });
         Ok(())
     }

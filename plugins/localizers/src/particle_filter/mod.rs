@@ -19,7 +19,6 @@ pub mod kld;
 pub mod measurement;
 pub mod monte_carlo;
 pub mod motion;
-pub mod odometry_history;
 pub mod particles;
 pub mod pose_bins;
 pub mod recovery;

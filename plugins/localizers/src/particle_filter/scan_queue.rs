@@ -1,6 +1,6 @@
 //! Scans that wait for the odometer, and which of them are weighed together.
 
-use super::odometry_history::OdometryHistory;
+use crate::odometry_history::OdometryHistory;
 use rumbo_core::frames::Pose3;
 use rumbo_core::messages::{LaserScan, Observation, SensorId};
 use rumbo_core::time::{Span, Time};

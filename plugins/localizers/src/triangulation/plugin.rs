@@ -3,7 +3,7 @@
 use super::params::TriangulationParams;
 use super::scan::SeenScan;
 use super::tracker::{Anchor, Tracker};
-use crate::particle_filter::odometry_history::{OdometryHistory, Reading};
+use crate::odometry_history::{OdometryHistory, Reading};
 use crate::particle_filter::scan_queue::{PendingScan, ScanQueue};
 use nalgebra::Vector3;
 use rumbo_core::frames::{Pose2, flatten};

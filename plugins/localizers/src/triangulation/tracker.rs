@@ -8,6 +8,7 @@ use super::on_map::OnMap;
 use super::quality::Weighting;
 use super::scan::{Found, SeenScan};
 use super::sureness::{Look, Sureness, SurenessRules};
+use crate::deviations::deviations;
 use crate::odometry::propagation::{ErrorGrowth, Uncertainty};
 use nalgebra::Matrix3;
 use rumbo_core::frames::Pose2;
@@ -175,8 +176,7 @@ impl Tracker {
         };
         let Found { map_from_base, covariance, n_related, n_estimates, explained } = found;
         self.anchor = Anchor { map_from_base, covariance, odom_from_base: *odom_from_base };
-        let position = covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        let deviation_m = position.symmetric_eigenvalues().max().max(0.0).sqrt();
+        let [deviation_m, _] = deviations(&covariance);
         // The first scan has none before it that it could be related to.
         if self.settings.by_map || !is_first {
             self.sureness.judge(&Look { n_related, explained, deviation_m });

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
 use rumbo_core::time::Time;
-use rumbo_kit::port::is_address;
+use rumbo_kit::port::address_fault;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -155,10 +155,7 @@ impl Params for GpsParams {
                 faults.push(BuildError::at(format!("outages[{idx}]"), message));
             }
         }
-        if self.port.as_deref().is_some_and(|port| !is_address(port)) {
-            let message = "names no port, expected a serial port or tcp://host:port";
-            faults.push(BuildError::at("port", message));
-        }
+        faults.extend(address_fault(self.port.as_deref()));
         if self.port.is_some() && self.file.is_some() {
             faults.push(BuildError::at("file", "is given, and so is port; only one of them can be read"));
         }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
-use rumbo_kit::port::is_address;
+use rumbo_kit::port::address_fault;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -147,10 +147,7 @@ impl Params for ImuParams {
                 faults.push(BuildError::at(key, format!("is {value}, expected a finite number, 0 or more")));
             }
         }
-        if self.port.as_deref().is_some_and(|port| !is_address(port)) {
-            let message = "names no port, expected a serial port or tcp://host:port";
-            faults.push(BuildError::at("port", message));
-        }
+        faults.extend(address_fault(self.port.as_deref()));
         if self.port.is_some() && self.unit.is_none() {
             let fault = BuildError::at("unit", "is missing, expected \"deg\" or \"rad\"");
             faults.push(fault.help("turn the device by hand: the yaw of a quarter turn is 90 or 1.57"));

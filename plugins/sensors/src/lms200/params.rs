@@ -2,7 +2,7 @@
 
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
-use rumbo_kit::port::is_address;
+use rumbo_kit::port::address_fault;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -85,10 +85,7 @@ impl Params for Lms200Params {
         faults.extend(
             wrong.map(|(idx, baud)| BuildError::at(format!("connect_baud[{idx}]"), not_speed(*baud))),
         );
-        if self.port.as_deref().is_some_and(|port| !is_address(port)) {
-            let message = "names no port, expected a serial port or tcp://host:port";
-            faults.push(BuildError::at("port", message));
-        }
+        faults.extend(address_fault(self.port.as_deref()));
         if self.distance_mode().is_none() {
             let message = format!("is {}, expected 0 to 6 or 15", self.measuring_mode);
             faults.push(BuildError::at("measuring_mode", message));

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use rumbo_core::frames::{Pose2, Pose3, Twist, flatten};
+use rumbo_core::frames::{Pose2, Pose3, Twist};
 use rumbo_core::messages::{Data, Mark, Marks, Observation, Odometry, SensorId};
 use rumbo_core::stages::{Advance, WorldError};
 use rumbo_core::time::{Span, Time};
@@ -111,9 +111,7 @@ impl MrclamPlayback {
 
     /// Where the robot really is now, or was first if that is about now.
     pub fn true_pose(&self) -> Option<Pose2> {
-        let now = self.truth.now().map(|truth| flatten(&truth.map_from_base));
-        let first = || self.truth.first().filter(|(time, _)| (*time - self.now).0.abs() <= KnownTruth::GAP.0);
-        now.or_else(|| first().map(|(_, pose)| pose))
+        self.truth.pose_about(self.now)
     }
 
     /// Lets time pass; what was recorded up to `to` becomes due.

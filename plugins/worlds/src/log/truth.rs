@@ -1,6 +1,6 @@
 //! Where the robot really was, as far as somebody wrote it down.
 
-use rumbo_core::frames::{Pose2, lift};
+use rumbo_core::frames::{Pose2, flatten, lift};
 use rumbo_core::stages::Truth;
 use rumbo_core::time::{Span, Time};
 use rumbo_kit::log_file::PoseTrack;
@@ -64,6 +64,13 @@ impl KnownTruth {
     /// The first pose and its time.
     pub fn first(&self) -> Option<(Time, Pose2)> {
         self.track.first()
+    }
+
+    /// The pose of now, or the first one if that is about now.
+    pub fn pose_about(&self, now: Time) -> Option<Pose2> {
+        let known = self.now().map(|truth| flatten(&truth.map_from_base));
+        let first = || self.first().filter(|(time, _)| (*time - now).0.abs() <= Self::GAP.0);
+        known.or_else(|| first().map(|(_, pose)| pose))
     }
 
     /// Poses are there, but none fitted so far.

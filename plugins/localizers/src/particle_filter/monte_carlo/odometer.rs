@@ -1,7 +1,7 @@
 //! What the filter makes of the odometer's readings, also of those that jump.
 
-use super::super::odometry_history::{Reading, is_jump};
 use super::MonteCarlo;
+use crate::odometry_history::{Reading, is_jump};
 use rumbo_core::frames::Pose2;
 use rumbo_core::messages::{Check, Odometry};
 use rumbo_core::time::Time;

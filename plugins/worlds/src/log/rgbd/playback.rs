@@ -3,7 +3,7 @@
 
 use std::collections::VecDeque;
 
-use rumbo_core::frames::{Pose2, Pose3, flatten};
+use rumbo_core::frames::{Pose2, Pose3};
 use rumbo_core::messages::{Data, Imu, Observation, SensorId};
 use rumbo_core::stages::{Advance, WorldError};
 use rumbo_core::time::Time;
@@ -123,9 +123,7 @@ impl RgbdPlayback {
 
     /// Where the robot really is now, or was first if that is about now.
     pub fn true_pose(&self) -> Option<Pose2> {
-        let now = self.truth.now().map(|truth| flatten(&truth.map_from_base));
-        let first = || self.truth.first().filter(|(time, _)| (*time - self.now).0.abs() <= KnownTruth::GAP.0);
-        now.or_else(|| first().map(|(_, pose)| pose))
+        self.truth.pose_about(self.now)
     }
 
     /// Lets time pass; what was recorded up to `to` becomes due.

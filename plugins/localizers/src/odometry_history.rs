@@ -1,6 +1,6 @@
 //! Where the base was in the odometer's frame, over the last moments.
 
-use rumbo_core::frames::{Pose2, interpolate2};
+use rumbo_core::frames::{Pose2, Twist, interpolate2};
 use rumbo_core::time::{Span, Time};
 use std::collections::VecDeque;
 
@@ -32,6 +32,8 @@ impl OdometryHistory {
     const KEPT_S: f64 = 10.0;
     /// A scan may be this much newer than the newest reading.
     const EXTRAPOLATED_S: f64 = 0.05;
+    /// Where the velocity is known, a reading of another kind may be this much newer.
+    const MOST_AHEAD: Span = Span(500_000_000);
 
     /// Takes in a reading.
     pub fn push(&mut self, stamp: Time, odom_from_base: Pose2) -> Reading {
@@ -82,6 +84,17 @@ impl OdometryHistory {
         };
         let part = (time - t0).as_secs() / (*t1 - t0).as_secs();
         Some(interpolate2(&a, b, part))
+    }
+
+    /// Where the base was at a time, seen from where the newest reading has it; after that one by the velocity. None where
+    /// nothing is known; before the first reading the base has not moved.
+    pub fn now_from_then(&self, stamp: Time, twist: &Twist) -> Option<Pose2> {
+        let Some((newest, odom_from_now)) = self.newest() else { return Some(Pose2::identity()) };
+        if stamp > newest {
+            let ahead = stamp - newest;
+            return (ahead <= Self::MOST_AHEAD).then(|| twist.integrate(ahead.as_secs()));
+        }
+        self.at(stamp).map(|odom_from_then| odom_from_now.inverse() * odom_from_then)
     }
 }
 
