@@ -5,6 +5,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod beam_table;
+pub mod correlative;
 pub mod cost_field;
 pub mod depth;
 pub mod depth_file;
