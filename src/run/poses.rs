@@ -5,7 +5,6 @@ use crate::exit::Failure;
 use rumbo_core::engine::{Engine, Observer, State, StepView};
 use rumbo_core::frames::{Pose2, flatten};
 use rumbo_core::messages::Data;
-use rumbo_core::pipeline::Pipeline;
 use rumbo_core::time::Time;
 use std::fmt::Write as _;
 
@@ -40,16 +39,6 @@ fn write_line(lines: &mut String, stamp: Time, pose: &Pose2) {
     let (place, yaw) = (pose.translation, pose.rotation.angle());
     // Writing into a string cannot fail.
     let _ = writeln!(lines, "{:.6} {:.6} {:.6} {yaw:.6}", stamp.as_secs(), place.x, place.y);
-}
-
-/// A pipeline without `[slam]` is refused before anything moves.
-pub fn refuse_without_slam(pipeline: &Pipeline) -> Result<(), Failure> {
-    if pipeline.slam.is_some() {
-        return Ok(());
-    }
-    let help = "--poses writes where a localizer thought that the robot was";
-    let message = "--trajectory writes what a [slam] knows at the end, and this pipeline has none";
-    Err(Failure::Usage(format!("{message}; {help}")))
 }
 
 /// The trajectory of `[slam]` as lines of `t x y theta`.

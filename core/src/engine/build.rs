@@ -8,6 +8,7 @@ use super::ring::Ring;
 use super::schedule::Schedule;
 use super::scripted::ScriptedDrive;
 use super::seats::{localization, odometer, planning, seat, sensors, task, watched};
+use super::slam::resume;
 use super::stall::StallMonitor;
 use super::step::Engine;
 use super::wish::WishMotion;
@@ -142,8 +143,9 @@ impl Engine {
         let ring = Ring::new(RING, pipeline.odometer.is_some());
         let sensors = sensors(builder, &mut schedule)?;
         let odometer = odometer(builder, &mut schedule, &ring)?;
-        let localization = localization(builder, &mut schedule, &ring)?;
+        let mut localization = localization(builder, &mut schedule, &ring)?;
         let mut map = Map::default();
+        let left_at = resume(pipeline, &mut localization.finder.stage, &mut map)?;
         let mut builders = Vec::new();
         for spec in &pipeline.map_builders {
             let mut built: Box<dyn crate::stages::MapBuilder> = builder.stage(spec)?;
@@ -167,7 +169,7 @@ impl Engine {
             navigator: Navigator::new(&pipeline.mission),
             following: Following::of(pipeline),
             stall: StallMonitor::of(&pipeline.mission, &pipeline.robot),
-            orders: Engine::first_orders(pipeline, world.as_ref()),
+            orders: Engine::first_orders(pipeline, world.as_ref(), left_at),
             pending: Engine::mission_goals(pipeline),
             inbox: Default::default(),
             given: Vec::new(),
