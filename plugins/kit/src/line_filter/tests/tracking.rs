@@ -3,7 +3,7 @@
 use super::close;
 use crate::line_filter::*;
 use crate::lines::LineSettings;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Pose2, Pose3, Twist, lift, pose2};
 use rumbo_core::map::Line;
