@@ -4,7 +4,7 @@ mod leaves;
 pub mod lost;
 mod open;
 mod pace;
-mod poses;
+pub mod poses;
 mod progress;
 pub mod summary;
 
@@ -108,6 +108,12 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     if let (Some(path), Some(poses)) = (&args.poses, &poses) {
         write_file(path, poses.text().as_bytes())?;
         written.push(("poses", path.clone()));
+        if poses.is_empty() {
+            terminal.say(format!(
+                "{} no poses: no laser scan came while somebody knew where the robot was",
+                terminal.bad("note:")
+            ));
+        }
     }
     let left = leaves.write(args, &mut written);
     if !args.quiet {

@@ -97,7 +97,7 @@ fn a_state_that_is_missing_damaged_or_of_another_plugin_is_a_fault_at_its_line()
         plugin: "graph".into(),
         version: "1.0".into(),
         map_from_base: Pose2::identity(),
-        covariance: rumbo_core::nalgebra::Matrix3::identity(),
+        covariance: nalgebra::Matrix3::identity(),
         is_lost: false,
         bytes: b"RUMBOEKF".to_vec(),
     };
@@ -152,4 +152,49 @@ fn an_interrupted_run_saves_its_state_too() {
     assert_eq!(status.code(), Some(130));
     let saved = SavedState::read(&state, "ekf_line_slam").unwrap();
     assert!(!saved.is_lost && saved.bytes.len() > 200);
+}
+
+#[test]
+fn several_logs_and_pipelines_are_one_table_with_the_errors_of_their_relations() {
+    let folder = scratch("eval_slam");
+    let log = folder.join("tour.clf.gz");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/logs/office_tour.clf.gz");
+    std::fs::copy(shipped, &log).unwrap();
+    let words = ["eval", "slam", LINES, "--log", log.to_str().unwrap(), "--json"];
+    let missing = give(&words);
+    assert!(missing.code == 2 && missing.stderr.contains("tour.relations.gz"), "{}", missing.stderr);
+    // Relations that are the run's own poses, but one is 0.3 m and one 0.2 rad off.
+    let poses = folder.join("poses.txt");
+    let set = format!("world.file={}", log.display());
+    give(&["run", LINES, "--set", &set, "--no-report", "--poses", poses.to_str().unwrap()]);
+    let text = std::fs::read_to_string(&poses).unwrap();
+    let poses: Vec<Vec<f64>> =
+        text.lines().map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect()).collect();
+    let timeline = rumbo_kit::log_file::Timeline::open(&log, Default::default()).unwrap();
+    let origin_s = timeline.origin().as_secs();
+    let relation = |from: usize, to: usize, off_m: f64, off_rad: f64| {
+        let at = |k: usize| rumbo_core::frames::pose2(poses[k][1], poses[k][2], poses[k][3]);
+        let way = at(from).inverse() * at(to);
+        let stamp = |k: usize| origin_s + poses[k][0];
+        let (x, y, yaw) = (way.translation.x + off_m, way.translation.y, way.rotation.angle() + off_rad);
+        format!("{:.6} {:.6} {x} {y} 0 0 0 {yaw}\n", stamp(from), stamp(to))
+    };
+    let off_the_log = format!("{} {} 1 0 0 0 0 0\n", origin_s - 9.0, origin_s - 8.0);
+    let relations =
+        [relation(10, 20, 0.0, 0.0), relation(5, 500, 0.3, 0.0), relation(700, 90, 0.0, 0.2), off_the_log];
+    std::fs::write(folder.join("tour.relations"), relations.concat()).unwrap();
+    let given = give(&words);
+    assert_eq!(given.code, 0, "{}", given.stderr);
+    let rows = given.json();
+    let row = &rows[0];
+    assert_eq!((&row["log"], &row["plugin"]), (&"tour".into(), &"ekf_line_slam".into()));
+    assert_eq!((&row["n_relations"], &row["at_the_time"]["n_used"]), (&4.into(), &3.into()));
+    let mean = |kind: &str| row["at_the_time"][kind]["mean"].as_f64().unwrap();
+    assert!((mean("translation_m") - 0.1).abs() < 1e-4, "{row}");
+    assert!((mean("rotation_rad") - 0.2 / 3.0).abs() < 1e-4, "{row}");
+    assert!(row["at_the_end"].is_null() && row["log_s"].as_f64().unwrap() > 900.0, "{row}");
+    let table = give(&["eval", "slam", LINES, "--log", log.to_str().unwrap()]);
+    assert!(table.stderr.contains("3 of 4") && table.stderr.contains("0.1000 +- "), "{}", table.stderr);
+    let no_slam = give(&["eval", "slam", OFFICE, "--log", log.to_str().unwrap()]);
+    assert_eq!(no_slam.code, 2, "{}", no_slam.stderr);
 }

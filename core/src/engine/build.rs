@@ -154,6 +154,7 @@ impl Engine {
             map.touch();
             builders.push(seat(built, spec, task(spec.rate, &mut schedule), &ring));
         }
+        let beginning = Engine::first_orders(pipeline, world.as_ref(), left_at);
         let at_work = Arc::new(AtWork::of(pipeline));
         let mut planning = planning(builder, at_work.clone())?;
         planning.task = pipeline.planner.as_ref().and_then(|spec| task(spec.rate, &mut schedule));
@@ -169,7 +170,8 @@ impl Engine {
             navigator: Navigator::new(&pipeline.mission),
             following: Following::of(pipeline),
             stall: StallMonitor::of(&pipeline.mission, &pipeline.robot),
-            orders: Engine::first_orders(pipeline, world.as_ref(), left_at),
+            orders: beginning.clone(),
+            beginning,
             pending: Engine::mission_goals(pipeline),
             inbox: Default::default(),
             given: Vec::new(),

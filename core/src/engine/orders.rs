@@ -129,6 +129,7 @@ impl Engine {
                 self.settle_search(started, was_mapping, State::Localizing);
             }
             Order::SetMap(map) => self.set_map(*map),
+            Order::Reset => self.begin_anew(),
             Order::PersonAt(person) => {
                 if let Some(following) = &mut self.following {
                     following.hear(self.now, self.now, &person, &mut self.events);
@@ -143,6 +144,19 @@ impl Engine {
             }
             Order::Shutdown => self.navigator.shutdown = true,
         }
+    }
+
+    fn begin_anew(&mut self) {
+        for seat in &mut self.builders {
+            if let Err(error) = seat.stage.start(&mut self.map) {
+                seat.fail(&error, self.now, &mut self.events);
+            }
+            self.map.touch();
+        }
+        if let Finder::Slam { has_begun, .. } = &mut self.localization.finder.stage {
+            *has_begun = false;
+        }
+        self.beginning.clone().into_iter().for_each(|order| self.obey_one(order));
     }
 
     /// Somebody else says from now on where to go.

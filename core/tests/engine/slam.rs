@@ -78,6 +78,33 @@ fn a_slam_that_cannot_be_told_says_so_and_goes_on() {
 }
 
 #[test]
+fn a_reset_begins_the_map_anew_where_the_run_began() {
+    let mut engine = Engine::build(&mapping("reset_slam", "")).unwrap();
+    let mut events = Events::default();
+    step_until(&mut engine, 2.0, &mut events);
+    engine.command(stands(7.0));
+    step_until(&mut engine, 3.0, &mut events);
+    let before = n_updates(&mut engine);
+    engine.command(Order::Reset);
+    step_until(&mut engine, 3.5, &mut events);
+    assert!(n_updates(&mut engine) < before / 2.0, "the map did not begin anew");
+    assert!(engine.view().map_from_base.translation.x.abs() < 1e-9);
+    assert_eq!(told("reset_slam"), ["starts 0.0", "is told 7.0", "starts 0.0"]);
+    assert_eq!(engine.view().state, State::Waiting);
+    // A localizer stands where the run began, too, and builders begin anew.
+    let mut engine =
+        Engine::build(&Pipeline { mission: Mission::default(), ..pipeline("reset_plain") }).unwrap();
+    step_until(&mut engine, 1.0, &mut events);
+    let version = engine.view().map.version;
+    engine.command(stands(7.0));
+    step_until(&mut engine, 1.5, &mut events);
+    assert!((engine.view().map_from_base.translation.x - 7.0).abs() < 0.5);
+    engine.command(Order::Reset);
+    step_until(&mut engine, 2.0, &mut events);
+    assert!(engine.view().map_from_base.translation.x < 3.0 && engine.view().map.version > version);
+}
+
+#[test]
 fn a_slam_that_is_lost_goes_on_looking_and_is_found_with_its_map() {
     let mut engine = Engine::build(&mapping("lost_slam", "lost_s = [2.0, 4.0]")).unwrap();
     let mut events = Events::default();
