@@ -4,7 +4,6 @@ use crate::{Events, doubles, pipeline, stage};
 use nalgebra::Matrix3;
 use rumbo_core::engine::{AskError, Engine, EventKind, Order, State, Stepped};
 use rumbo_core::frames::{Pose2, pose2};
-use rumbo_core::map::Map;
 use rumbo_core::pipeline::{InitialPose, Mission, Pipeline, WellKnownPose};
 use rumbo_core::registry::Stage;
 use rumbo_core::saved_state::SavedState;
@@ -67,7 +66,7 @@ fn a_slam_that_cannot_be_told_says_so_and_goes_on() {
     let (before, at) = (n_updates(&mut engine), engine.view().map_from_base);
     engine.command(stands(7.0));
     engine.command(Order::Localize);
-    engine.command(Order::SetMap(Box::new(Map::default())));
+    engine.command(Order::SetMap(Box::default()));
     step_until(&mut engine, 3.0, &mut events);
     assert!(n_updates(&mut engine) > before && engine.view().map_from_base == at);
     assert_eq!(engine.view().state, State::Waiting);
