@@ -3,6 +3,7 @@
 mod figures;
 mod map;
 mod relations;
+mod slam;
 mod trajectory;
 mod view;
 
@@ -26,6 +27,7 @@ enum What {
     Trajectory(trajectory::Args),
     Relations(relations::Args),
     Map(map::Args),
+    Slam(slam::Args),
 }
 
 /// Does it.
@@ -34,6 +36,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
         What::Trajectory(args) => trajectory::run(args, terminal),
         What::Relations(args) => relations::run(args, terminal),
         What::Map(args) => map::run(args, terminal),
+        What::Slam(args) => slam::run(args, terminal),
     }
 }
 

@@ -26,6 +26,7 @@ mod report;
 mod runner;
 mod sensor_readings;
 mod sensors;
+mod slam;
 mod stopwatch;
 mod subject;
 mod text_world;

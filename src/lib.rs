@@ -37,5 +37,6 @@ pub mod run;
 pub mod schema;
 pub mod terminal;
 pub mod test;
+pub mod usage;
 
 pub use load::registry;

@@ -1,9 +1,10 @@
 //! `rumbo run`: drives the robot and shows what happened.
 
+mod leaves;
 pub mod lost;
 mod open;
 mod pace;
-mod poses;
+pub mod poses;
 mod progress;
 pub mod summary;
 
@@ -16,9 +17,10 @@ use crate::record::RunRecord;
 use crate::recording::{RunRecording, header_of};
 use crate::report;
 use crate::terminal::{Terminal, write_file};
+use leaves::{Leaves, refuse_impossible, refuse_unsaved};
 use lost::{Kept, end_when_lost};
 use pace::Pace;
-use poses::{Poses, refuse_without_slam, trajectory_text};
+use poses::Poses;
 use progress::Progress;
 use rumbo_core::engine::{EndReason, Engine, Observer};
 use std::path::{Path, PathBuf};
@@ -63,6 +65,10 @@ pub struct Args {
     /// closed), as lines of `t x y theta` for `rumbo eval`
     #[arg(long, value_name = "FILE")]
     trajectory: Option<PathBuf>,
+    /// Save the whole state of the plugin in [slam] at the end of the run, also of one that was interrupted, so that another
+    /// run goes on from it: `[slam] resume = FILE`. What was in the file stays until the new state is complete
+    #[arg(long, value_name = "FILE")]
+    save_state: Option<PathBuf>,
     /// Record the run as MCAP, for viewers and for `rumbo replay`; instead of the pipeline's `record`
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -91,11 +97,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
         ready.limit(duration_s);
     }
     let recorded = args.recording(&ready);
-    if args.trajectory.is_some() {
-        refuse_without_slam(&ready.pipeline)?;
-    }
+    refuse_impossible(args, &ready.pipeline)?;
     let mut poses = args.poses.is_some().then(Poses::default);
-    let (record, trajectory) = watched_drive(args, &ready, recorded.as_deref(), &mut poses, terminal)?;
+    let (record, leaves) = watched_drive(args, &ready, recorded.as_deref(), &mut poses, terminal)?;
     let Some(outcome) = &record.outcome else {
         return Err(Failure::Internal("the run left no figures; this is a bug".into()));
     };
@@ -104,8 +108,14 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     if let (Some(path), Some(poses)) = (&args.poses, &poses) {
         write_file(path, poses.text().as_bytes())?;
         written.push(("poses", path.clone()));
+        if poses.is_empty() {
+            terminal.say(format!(
+                "{} no poses: no laser scan came while somebody knew where the robot was",
+                terminal.bad("note:")
+            ));
+        }
     }
-    let trajectory = write_trajectory(args, trajectory, &mut written);
+    let left = leaves.write(args, &mut written);
     if !args.quiet {
         terminal.say(summary::summary(outcome, &record.events, &written, terminal));
     }
@@ -115,7 +125,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     if args.open {
         open_first(&written, terminal);
     }
-    trajectory?;
+    left?;
     Ok(exit_of(outcome))
 }
 
@@ -146,10 +156,11 @@ fn watched_drive(
     recorded: Option<&Path>,
     poses: &mut Option<Poses>,
     terminal: &Terminal,
-) -> Result<(RunRecord, Option<Result<String, Failure>>), Failure> {
+) -> Result<(RunRecord, Leaves), Failure> {
     let interrupt = on_interrupt()?;
     let built = Engine::build(&ready.pipeline);
     let mut engine = built.map_err(|error| ready.explain(&error, args.json, terminal))?;
+    refuse_unsaved(args, &engine)?;
     let begin = |path| RunRecording::create(path, &header_of(ready, &args.file, args.duration, &engine));
     let mut recording = Kept::new(recorded.map(begin).transpose()?);
     end_when_lost(recording.clone(), *terminal);
@@ -167,20 +178,8 @@ fn watched_drive(
     if let Some(recording) = recording.take() {
         recording.finish(&driven.end, &engine.view())?;
     }
-    let trajectory = args.trajectory.as_ref().map(|_| trajectory_text(&engine));
-    Ok((driven.record, trajectory))
-}
-
-/// A trajectory that could not be had does not spoil what else a run leaves.
-fn write_trajectory(
-    args: &Args,
-    text: Option<Result<String, Failure>>,
-    written: &mut Vec<(&'static str, PathBuf)>,
-) -> Result<(), Failure> {
-    let (Some(path), Some(text)) = (&args.trajectory, text) else { return Ok(()) };
-    write_file(path, text?.as_bytes())?;
-    written.push(("trajectory", path.clone()));
-    Ok(())
+    let leaves = Leaves::of(args, &engine);
+    Ok((driven.record, leaves))
 }
 
 /// Raised by the first interrupt, which stops the robot; the second ends the program.

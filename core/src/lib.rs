@@ -14,6 +14,7 @@ pub mod pipeline;
 pub mod registry;
 pub mod rng;
 pub mod robot;
+pub mod saved_state;
 pub mod stages;
 pub mod time;
 pub mod trace;

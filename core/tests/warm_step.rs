@@ -61,6 +61,7 @@ fn a_warm_control_step_allocates_nothing() {
         localizer: Some(stage(Stage::Localizer, "quiet", "reckoning", None)),
         relocalizer: None,
         slam: None,
+        resume: None,
         planner: Some(stage(Stage::Planner, "planner", "line", None)),
         planner_fallback: None,
         avoider: Some(stage(Stage::Avoider, "avoider", "beeline", None)),

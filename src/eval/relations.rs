@@ -43,6 +43,8 @@ pub struct Args {
 #[derive(Serialize)]
 struct Figures {
     n_relations: usize,
+    /// Those between two scans of the log that the poses are of, where it was named.
+    n_between_scans: Option<usize>,
     n_used: usize,
     n_poses: usize,
     translation_m: Spread,
@@ -61,8 +63,10 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
         let path = args.poses.display();
         return Err(Failure::Usage(format!("{path} has no stamps, and relations are between stamps")));
     }
+    let mut n_scanned = None;
     if let Some(log) = &args.since {
-        poses.trajectory = since_first(log, &poses.trajectory)?;
+        poses.trajectory = Trajectory::of(in_time_of(log, poses.trajectory.poses())?).0;
+        n_scanned = Some(n_scanned_in(log, &relations, Span::from_secs(args.max_gap), terminal)?);
     }
     let tolerance = Span::from_secs(args.max_gap);
     let errors = match &args.odometry {
@@ -77,6 +81,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let n_poses = poses.trajectory.poses().len();
     let figures =
         judged(errors, relations.len(), n_poses).ok_or_else(|| none_found(&relations, &poses.trajectory))?;
+    let figures = Figures { n_between_scans: n_scanned, ..figures };
     if args.json {
         terminal.json(&figures)?;
     } else {
@@ -86,17 +91,30 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
 }
 
 /// The same poses with the stamps that the log has.
-fn since_first(log: &Path, poses: &Trajectory) -> Result<Trajectory, Failure> {
+pub(super) fn in_time_of(log: &Path, poses: &[StampedPose]) -> Result<Vec<StampedPose>, Failure> {
     let timeline = Timeline::open(log, BeamOverride::default());
     let origin = timeline.map_err(|error| Failure::Usage(error.to_string()))?.origin();
     let moved = |pose: &StampedPose| StampedPose { stamp: origin + (pose.stamp - Time::ZERO), ..*pose };
-    Ok(Trajectory::of(poses.poses().iter().map(moved).collect()).0)
+    Ok(poses.iter().map(moved).collect())
+}
+
+/// Relations between two scans of the log: no run on it can have poses for the others.
+fn n_scanned_in(
+    log: &Path,
+    relations: &[Relation],
+    tolerance: Span,
+    terminal: &Terminal,
+) -> Result<usize, Failure> {
+    let scans = read(log, Some(Format::Log), None, terminal)?.trajectory;
+    let is_scan = |stamp| pose_near(&scans, stamp, tolerance).is_some();
+    Ok(relations.iter().filter(|relation| is_scan(relation.from) && is_scan(relation.to)).count())
 }
 
 fn judged(errors: RelationErrors, n_relations: usize, n_poses: usize) -> Option<Figures> {
     let squared = |errors: &[f64]| Spread::of(errors.iter().map(|error| error * error).collect());
     Some(Figures {
         n_relations,
+        n_between_scans: None,
         n_used: n_relations - errors.n_missed,
         n_poses,
         translation_squared_m2: squared(&errors.translation_m)?,
@@ -124,8 +142,10 @@ fn none_found(relations: &[Relation], poses: &Trajectory) -> Failure {
 fn say(args: &Args, figures: &Figures, terminal: &Terminal) {
     let title = format!("{} against {}", args.poses.display(), args.relations.display());
     let between = args.odometry.as_ref().map_or("", |_| ", odometry between them");
+    let scans =
+        figures.n_between_scans.map_or_else(String::new, |n| format!(", {n} are between scans of the log"));
     let rows = [
-        ("relations", format!("{} of {} have both poses", figures.n_used, figures.n_relations)),
+        ("relations", format!("{} of {} have both poses{scans}", figures.n_used, figures.n_relations)),
         ("poses", format!("{}{between}", figures.n_poses)),
         ("translation", mean_and_std(&figures.translation_m, 1.0, "m")),
         ("rotation", mean_and_std(&figures.rotation_rad, 1.0_f64.to_degrees(), "deg")),

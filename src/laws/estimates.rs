@@ -5,6 +5,7 @@ use super::estimate_faults as faults;
 use super::estimators::{Tracker, covariance_is_sane, estimates, numbers_are_sane};
 use super::law::{Law, Trouble, Verdict, expect};
 use super::memory::stays_finite;
+use super::slam;
 use super::subject::Subject;
 use super::turn::Turn;
 use rumbo_core::boundary::Buffer;
@@ -49,6 +50,8 @@ pub const SLAM_LAWS: &[Law] = &[
     Law::new("it gives the layers that it declares", gives_its_layers),
     Law::new("it goes on from what it saved", goes_on).within("1e-9 m and rad"),
     faults::BAD_SAVED,
+    slam::TRAJECTORY,
+    slam::RELOCATES,
     faults::NOTHING_NEW,
     faults::NOT_STARTED,
     faults::BAD_PRIOR,
@@ -57,7 +60,7 @@ pub const SLAM_LAWS: &[Law] = &[
 ];
 
 /// How far two poses are apart: meters, and degrees.
-fn apart(one: &Pose2, other: &Pose2) -> [f64; 2] {
+pub(super) fn apart(one: &Pose2, other: &Pose2) -> [f64; 2] {
     let way_m = (one.translation.vector - other.translation.vector).norm();
     [way_m, wrap_angle(one.rotation.angle() - other.rotation.angle()).abs().to_degrees()]
 }

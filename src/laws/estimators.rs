@@ -6,9 +6,9 @@ use super::subject::Subject;
 use super::turn::Turn;
 use nalgebra::Matrix3;
 use rumbo_core::map::{Layer, Map};
-use rumbo_core::messages::{Check, Estimate, Observation, Prior, Seen};
+use rumbo_core::messages::{Check, Estimate, Observation, Prior, Seen, StampedPose};
 use rumbo_core::registry::Stage;
-use rumbo_core::stages::{BuildContext, Cx, Localizer, Slam};
+use rumbo_core::stages::{BuildContext, Cx, Localizer, Slam, SlamError};
 use rumbo_core::time::Time;
 use rumbo_core::trace::Trace;
 
@@ -72,6 +72,25 @@ impl Tracker {
         match &self.stage {
             Either::Localizer(_) => None,
             Either::Slam(stage) => stage.save().ok(),
+        }
+    }
+
+    /// What a SLAM plugin knows of its way; none for a localizer.
+    pub fn trajectory(&self) -> Option<Result<Vec<StampedPose>, String>> {
+        match &self.stage {
+            Either::Localizer(_) => None,
+            Either::Slam(stage) => Some(stage.trajectory().map_err(|error| error.to_string())),
+        }
+    }
+
+    /// Tells a SLAM plugin where the robot is; none where it cannot be told.
+    pub fn relocate(&mut self, prior: &Prior) -> Option<Result<(), String>> {
+        match &mut self.stage {
+            Either::Localizer(_) => None,
+            Either::Slam(stage) => match stage.relocate(prior, &mut self.map) {
+                Err(SlamError::CannotRelocate) => None,
+                told => Some(told.map_err(|error| error.to_string())),
+            },
         }
     }
 

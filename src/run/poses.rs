@@ -3,23 +3,33 @@
 
 use crate::exit::Failure;
 use rumbo_core::engine::{Engine, Observer, State, StepView};
-use rumbo_core::frames::{Pose2, flatten};
+use rumbo_core::frames::{Pose2, Pose3, flatten, lift};
 use rumbo_core::messages::Data;
-use rumbo_core::pipeline::Pipeline;
 use rumbo_core::time::Time;
 use std::fmt::Write as _;
 
-/// Lines of `t x y theta`, one for each moment at which a scan was taken and the robot was not lost; seconds from the world's
-/// time zero, meters, radians.
+/// Where the robot was thought to be at each moment at which a scan was taken and it was not lost.
 #[derive(Default)]
 pub struct Poses {
-    lines: String,
+    poses: Vec<(Time, Pose2)>,
 }
 
 impl Poses {
-    /// What was written down.
-    pub fn text(&self) -> &str {
-        &self.lines
+    /// Lines of `t x y theta`: seconds from the world's time zero, meters, radians.
+    pub fn text(&self) -> String {
+        let mut lines = String::new();
+        self.poses.iter().for_each(|(stamp, pose)| write_line(&mut lines, *stamp, pose));
+        lines
+    }
+
+    /// There is none.
+    pub fn is_empty(&self) -> bool {
+        self.poses.is_empty()
+    }
+
+    /// All of them, oldest first.
+    pub fn poses(&self) -> impl Iterator<Item = (Time, Pose3)> {
+        self.poses.iter().map(|(stamp, pose)| (*stamp, lift(pose)))
     }
 }
 
@@ -32,7 +42,7 @@ impl Observer for Poses {
         if !has_scan || matches!(view.state, State::NoMap | State::Lost | State::Localizing) {
             return;
         }
-        write_line(&mut self.lines, view.now, &view.map_from_base);
+        self.poses.push((view.now, view.map_from_base));
     }
 }
 
@@ -40,16 +50,6 @@ fn write_line(lines: &mut String, stamp: Time, pose: &Pose2) {
     let (place, yaw) = (pose.translation, pose.rotation.angle());
     // Writing into a string cannot fail.
     let _ = writeln!(lines, "{:.6} {:.6} {:.6} {yaw:.6}", stamp.as_secs(), place.x, place.y);
-}
-
-/// A pipeline without `[slam]` is refused before anything moves.
-pub fn refuse_without_slam(pipeline: &Pipeline) -> Result<(), Failure> {
-    if pipeline.slam.is_some() {
-        return Ok(());
-    }
-    let help = "--poses writes where a localizer thought that the robot was";
-    let message = "--trajectory writes what a [slam] knows at the end, and this pipeline has none";
-    Err(Failure::Usage(format!("{message}; {help}")))
 }
 
 /// The trajectory of `[slam]` as lines of `t x y theta`.

@@ -4,6 +4,7 @@ use crate::outcome::Outcome;
 use crate::record::EventRecord;
 use crate::report::figures;
 use crate::terminal::Terminal;
+use crate::usage::peak_memory_mb;
 use std::path::PathBuf;
 
 /// The figures in aligned plain words, what to try next, and the files that were written.
@@ -19,11 +20,13 @@ pub fn summary(
     lines.extend(outcome.detail.iter().map(|detail| format!("  {detail}")));
     lines.extend(notices(events, terminal));
     let figures = figures(outcome);
+    let memory = peak_memory_mb().map(|mb| ("peak memory", format!("{mb:.0} MB"), false));
     let files = written.iter().map(|(name, path)| (*name, path.display().to_string(), false));
     let rows: Vec<(&str, String, bool)> = figures
         .into_iter()
         .filter(|figure| figure.name != "result")
         .map(|figure| (figure.name, figure.value, figure.is_trouble))
+        .chain(memory)
         .chain(files)
         .collect();
     let width = rows.iter().map(|(name, ..)| name.len()).max().unwrap_or(0);

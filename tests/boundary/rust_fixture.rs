@@ -158,6 +158,52 @@ fn the_command_ends_when_a_stage_never_comes_back_and_keeps_what_was_recorded() 
     assert!(std::fs::read(bag).unwrap().ends_with(b"\x89MCAP0\r\n"), "the recording is closed");
 }
 
+/// Laser, wheels, and the SLAM of the fixture in the shipped office.
+const TRACKED: &str = r#"
+name = "tracked"
+
+[world]
+plugin = "sim"
+map = "MAP"
+start = { x_m = 3.0, y_m = 4.5, yaw_deg = 90.0 }
+duration_s = 4.0
+
+[[sensor]]
+name = "front"
+plugin = "lms200"
+mount = { z_m = 0.30 }
+rate_hz = 5.0
+
+[slam]
+plugin = "fixture_tracker"
+"#;
+
+#[test]
+fn the_trajectory_of_a_slam_in_a_library_is_written_and_what_it_uses_is_listed() {
+    let folder = scratch("tracked");
+    let (pipeline, file) = (folder.join("tracked.toml"), folder.join("trajectory.txt"));
+    let map = root().join("pipelines/worlds/office-20m.yaml");
+    std::fs::write(&pipeline, TRACKED.replace("MAP", map.to_str().unwrap())).unwrap();
+    let plugin = ["--plugin", fixture().to_str().unwrap()];
+    let words = ["run", pipeline.to_str().unwrap(), "--no-report", "--trajectory", file.to_str().unwrap()];
+    // Nothing makes the odometry that it would use, and that is no fault.
+    let (code, _, told) = rumbo(&[&words[..], &plugin].concat());
+    assert!(code == 0 && told.contains("trajectory.txt"), "{told}");
+    let text = std::fs::read_to_string(&file).unwrap();
+    let lines: Vec<Vec<f64>> =
+        text.lines().map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect()).collect();
+    assert!((20..=21).contains(&lines.len()), "{text}");
+    let stands = |line: &Vec<f64>| line[1..3] == [3.0, 4.5] && (line[3].to_degrees() - 90.0).abs() < 1e-3;
+    assert!(lines.iter().all(stands), "{text}");
+    assert!(lines.windows(2).all(|pair| (pair[1][0] - pair[0][0] - 0.2).abs() < 1e-6), "{text}");
+    std::fs::remove_file(&file).unwrap();
+    let panics = ["--set", "slam.panics=true"];
+    let (code, _, told) = rumbo(&[&words[..], &plugin, &panics].concat());
+    assert!(code == 3 && told.contains("made to panic in trajectory") && !file.exists(), "{told}");
+    let (_, listed, _) = rumbo(&[&["plugins", "describe", "fixture_tracker"][..], &plugin].concat());
+    assert!(listed.contains("uses where present: odometry, imu"), "{listed}");
+}
+
 #[test]
 fn a_library_whose_panics_abort_is_refused() {
     let file = library(&fixture_folder(), "rust_fixture", "aborts");

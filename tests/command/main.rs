@@ -17,6 +17,7 @@ mod record;
 mod replay;
 mod run;
 mod same_bytes;
+mod slam;
 mod test;
 
 use std::path::{Path, PathBuf};

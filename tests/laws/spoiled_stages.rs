@@ -238,6 +238,7 @@ fn a_world_without_time_is_told() {
 struct Breadcrumbs {
     localizer: Box<dyn Localizer>,
     is_careful: bool,
+    poses: Vec<StampedPose>,
 }
 
 impl Slam for Breadcrumbs {
@@ -257,7 +258,23 @@ impl Slam for Breadcrumbs {
         if self.is_careful {
             map.touch();
         }
+        let stamp = if self.is_careful { estimate.stamp } else { Time::ZERO };
+        if seen.iter().next().is_some() {
+            self.poses.push(StampedPose { stamp, map_from_base: estimate.map_from_base });
+        }
         Ok(estimate)
+    }
+
+    fn relocate(&mut self, prior: &Prior, map: &mut Map) -> Result<(), SlamError> {
+        if !self.is_careful {
+            return self.start(prior, map);
+        }
+        self.poses.clear();
+        self.localizer.start(prior, map).map_err(|error| SlamError::Other(error.to_string()))
+    }
+
+    fn trajectory(&self) -> Result<Vec<StampedPose>, SlamError> {
+        Ok(self.poses.clone())
     }
 }
 
@@ -274,11 +291,18 @@ fn slam(is_careful: bool, name: &str) -> Entry {
 
 fn breadcrumbs(context: &BuildContext, is_careful: bool) -> Built {
     let localizer = build(Stage::Localizer, "odometry", context);
-    Built::Slam(Box::new(Breadcrumbs { localizer, is_careful }))
+    Built::Slam(Box::new(Breadcrumbs { localizer, is_careful, poses: Vec::new() }))
 }
 
 #[test]
 fn a_simple_slam_plugin_keeps_the_laws_and_a_careless_one_does_not() {
     breaks(slam(true, "breadcrumbs"), &[]);
-    breaks(slam(false, "careless"), &["it gives the layers that it declares"]);
+    breaks(
+        slam(false, "careless"),
+        &[
+            "it gives the layers that it declares",
+            "its trajectory is finite, in order, and of moments at which it was given something",
+            "told where the robot is, it keeps its map and goes on from there with another clock and odometer",
+        ],
+    );
 }

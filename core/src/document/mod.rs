@@ -27,8 +27,18 @@ pub use suggest::{did_you_mean, unknown_key_message};
 use std::path::Path;
 
 /// Keys of a section that belong to the framework; every other key is the plugin's.
-pub const RESERVED_KEYS: [&str; 9] =
-    ["plugin", "name", "mount", "rate_hz", "every_s", "inputs", "latency_s", "variants", "duration_s"];
+pub const RESERVED_KEYS: [&str; 10] = [
+    "plugin",
+    "name",
+    "mount",
+    "rate_hz",
+    "every_s",
+    "inputs",
+    "latency_s",
+    "variants",
+    "duration_s",
+    "resume",
+];
 
 /// Sections that are lists of tables, which are addressed and merged by their `name`.
 pub const NAMED_LISTS: [&str; 2] = ["sensor", "map_builder"];

@@ -8,6 +8,7 @@ use super::ring::Ring;
 use super::schedule::Schedule;
 use super::scripted::ScriptedDrive;
 use super::seats::{localization, odometer, planning, seat, sensors, task, watched};
+use super::slam::resume;
 use super::stall::StallMonitor;
 use super::step::Engine;
 use super::wish::WishMotion;
@@ -142,8 +143,9 @@ impl Engine {
         let ring = Ring::new(RING, pipeline.odometer.is_some());
         let sensors = sensors(builder, &mut schedule)?;
         let odometer = odometer(builder, &mut schedule, &ring)?;
-        let localization = localization(builder, &mut schedule, &ring)?;
+        let mut localization = localization(builder, &mut schedule, &ring)?;
         let mut map = Map::default();
+        let left_at = resume(pipeline, &mut localization.finder.stage, &mut map)?;
         let mut builders = Vec::new();
         for spec in &pipeline.map_builders {
             let mut built: Box<dyn crate::stages::MapBuilder> = builder.stage(spec)?;
@@ -152,6 +154,7 @@ impl Engine {
             map.touch();
             builders.push(seat(built, spec, task(spec.rate, &mut schedule), &ring));
         }
+        let beginning = Engine::first_orders(pipeline, world.as_ref(), left_at);
         let at_work = Arc::new(AtWork::of(pipeline));
         let mut planning = planning(builder, at_work.clone())?;
         planning.task = pipeline.planner.as_ref().and_then(|spec| task(spec.rate, &mut schedule));
@@ -167,7 +170,8 @@ impl Engine {
             navigator: Navigator::new(&pipeline.mission),
             following: Following::of(pipeline),
             stall: StallMonitor::of(&pipeline.mission, &pipeline.robot),
-            orders: Engine::first_orders(pipeline, world.as_ref()),
+            orders: beginning.clone(),
+            beginning,
             pending: Engine::mission_goals(pipeline),
             inbox: Default::default(),
             given: Vec::new(),

@@ -18,6 +18,8 @@ pub(super) enum Finder {
         slam: Box<dyn Slam>,
         /// It was started: from now on its map stays.
         has_begun: bool,
+        /// Name and version of the plugin.
+        plugin: [String; 2],
     },
 }
 
@@ -26,8 +28,10 @@ impl Finder {
     fn start(&mut self, prior: &Prior, map: &mut Map) -> Result<(), String> {
         match self {
             Finder::Localizer(localizer) => localizer.start(prior, map).map_err(|e| e.to_string()),
-            Finder::Slam { slam, has_begun: true } => slam.relocate(prior, map).map_err(|e| e.to_string()),
-            Finder::Slam { slam, has_begun } => {
+            Finder::Slam { slam, has_begun: true, .. } => {
+                slam.relocate(prior, map).map_err(|e| e.to_string())
+            }
+            Finder::Slam { slam, has_begun, .. } => {
                 slam.start(prior, map).map_err(|e| e.to_string())?;
                 *has_begun = true;
                 Ok(())

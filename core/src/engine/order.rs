@@ -65,6 +65,8 @@ pub enum Order {
     Localize,
     /// This is the map from now on.
     SetMap(Box<Map>),
+    /// Begin anew: what map builders and a SLAM have made of the map is gone, and the robot stands where the run began.
+    Reset,
     /// Forget all goals and stop.
     Cancel,
     /// The person that the mission follows is here: for programs with a tracker of their own. Refused where it follows
@@ -82,6 +84,7 @@ impl Order {
             Order::SetPose { .. } => "set_pose",
             Order::Localize => "localize",
             Order::SetMap(_) => "set_map",
+            Order::Reset => "reset",
             Order::Cancel => "cancel",
             Order::PersonAt(_) => "person_at",
             Order::Shutdown => "shutdown",
@@ -93,7 +96,9 @@ impl Order {
     pub fn is_allowed(&self, state: State) -> bool {
         match self {
             Order::GoTo(goals) => state == State::Waiting && !goals.is_empty(),
-            Order::SetPose { .. } => matches!(state, State::Lost | State::Localizing | State::Waiting),
+            Order::SetPose { .. } | Order::Reset => {
+                matches!(state, State::Lost | State::Localizing | State::Waiting)
+            }
             Order::Localize => matches!(state, State::Lost | State::Waiting),
             Order::SetMap(_) => matches!(state, State::NoMap | State::Lost | State::Waiting),
             Order::Cancel => matches!(state, State::Navigating | State::Localizing),
@@ -121,6 +126,7 @@ mod tests {
         assert_eq!(allowed(&Order::GoTo(vec![goal(1.0)])), [0, 0, 0, 1, 0]);
         assert_eq!(allowed(&Order::GoTo(vec![])), [0; 5]);
         assert_eq!(allowed(&pose), [0, 1, 1, 1, 0]);
+        assert_eq!(allowed(&Order::Reset), [0, 1, 1, 1, 0]);
         assert_eq!(allowed(&Order::Localize), [0, 1, 0, 1, 0]);
         assert_eq!(allowed(&Order::SetMap(Box::default())), [1, 1, 0, 1, 0]);
         assert_eq!(allowed(&Order::Cancel), [0, 0, 1, 0, 1]);

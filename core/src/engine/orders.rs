@@ -4,6 +4,7 @@ use super::events::{Event, EventKind};
 use super::inbox::Inbox;
 use super::localization::Finder;
 use super::order::{Order, State};
+use super::slam::LeftAt;
 use super::step::Engine;
 use crate::frames::{Point2, pose2};
 use crate::map::Map;
@@ -14,7 +15,11 @@ use nalgebra::{Matrix3, Vector3};
 
 impl Engine {
     /// The orders that a pipeline gives by itself at the start.
-    pub(super) fn first_orders(pipeline: &Pipeline, world: &dyn World) -> Vec<Order> {
+    pub(super) fn first_orders(
+        pipeline: &Pipeline,
+        world: &dyn World,
+        left_at: Option<LeftAt>,
+    ) -> Vec<Order> {
         let mission = &pipeline.mission;
         let deviation = Vector3::new(
             mission.initial_deviation_m,
@@ -22,12 +27,20 @@ impl Engine {
             mission.initial_deviation_deg.to_radians(),
         );
         let covariance = Matrix3::from_diagonal(&deviation.component_mul(&deviation));
-        let start = match mission.initial_pose {
-            InitialPose::Pose { x_m, y_m, yaw_deg } => Some(pose2(x_m, y_m, yaw_deg.to_radians())),
-            InitialPose::WellKnown(WellKnownPose::World) => world.start(),
-            InitialPose::WellKnown(WellKnownPose::Unknown) => None,
+        let start = match (mission.initial_pose, left_at) {
+            (InitialPose::Pose { x_m, y_m, yaw_deg }, _) => {
+                Some((pose2(x_m, y_m, yaw_deg.to_radians()), covariance))
+            }
+            (InitialPose::WellKnown(WellKnownPose::World), Some(LeftAt::Pose(pose, saved))) => {
+                Some((pose, saved))
+            }
+            (InitialPose::WellKnown(WellKnownPose::World), None) => {
+                world.start().map(|pose| (pose, covariance))
+            }
+            (InitialPose::WellKnown(_), _) => None,
         };
-        vec![start.map_or(Order::Localize, |map_from_base| Order::SetPose { map_from_base, covariance })]
+        let stands = |(map_from_base, covariance)| Order::SetPose { map_from_base, covariance };
+        vec![start.map_or(Order::Localize, stands)]
     }
 
     /// The waypoints as goals.
@@ -116,6 +129,7 @@ impl Engine {
                 self.settle_search(started, was_mapping, State::Localizing);
             }
             Order::SetMap(map) => self.set_map(*map),
+            Order::Reset => self.begin_anew(),
             Order::PersonAt(person) => {
                 if let Some(following) = &mut self.following {
                     following.hear(self.now, self.now, &person, &mut self.events);
@@ -130,6 +144,19 @@ impl Engine {
             }
             Order::Shutdown => self.navigator.shutdown = true,
         }
+    }
+
+    fn begin_anew(&mut self) {
+        for seat in &mut self.builders {
+            if let Err(error) = seat.stage.start(&mut self.map) {
+                seat.fail(&error, self.now, &mut self.events);
+            }
+            self.map.touch();
+        }
+        if let Finder::Slam { has_begun, .. } = &mut self.localization.finder.stage {
+            *has_begun = false;
+        }
+        self.beginning.clone().into_iter().for_each(|order| self.obey_one(order));
     }
 
     /// Somebody else says from now on where to go.

@@ -71,7 +71,8 @@ pub(super) fn localization(
     let pipeline = builder.pipeline;
     let finder = match (&pipeline.slam, &pipeline.localizer) {
         (Some(spec), _) => {
-            let slam = Finder::Slam { slam: builder.stage(spec)?, has_begun: false };
+            let plugin = [spec.entry.name.clone(), spec.entry.version.clone()];
+            let slam = Finder::Slam { slam: builder.stage(spec)?, has_begun: false, plugin };
             seat(slam, spec, task(spec.rate, schedule), ring)
         }
         (None, Some(spec)) => {

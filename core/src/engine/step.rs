@@ -56,6 +56,7 @@ pub struct Engine {
     pub(super) following: Option<Following>,
     pub(super) stall: Option<StallMonitor>,
     pub(super) orders: Vec<Order>,
+    pub(super) beginning: Vec<Order>,
     pub(super) inbox: Inbox,
     pub(super) given: Vec<Order>,
     pub(super) obeyed: Vec<Order>,

@@ -103,6 +103,7 @@ impl Draft {
             localizer,
             relocalizer: spec(Seat::Relocalizer),
             slam,
+            resume: self.single(Seat::Slam).and_then(|slam| slam.reserved.resume.clone()),
             planner: spec(Seat::Planner),
             planner_fallback: spec(Seat::PlannerFallback),
             avoider: spec(Seat::Avoider),

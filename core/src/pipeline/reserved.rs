@@ -7,6 +7,7 @@ use crate::time::Span;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::path::PathBuf;
 
 /// A stage cannot run more often, times a second: the schedule counts nanoseconds.
 const MAX_RATE_HZ: f64 = 10_000.0;
@@ -57,6 +58,9 @@ pub struct Reserved {
     pub variants: toml::Table,
     /// End of a run without a mission, seconds of the world's time.
     pub duration_s: Option<f64>,
+    /// A state that `rumbo run --save-state` wrote, relative to the pipeline's folder: the map begins as it was, and the
+    /// robot stands where it stood, unless `mission.initial_pose` says where it is now.
+    pub resume: Option<PathBuf>,
 }
 
 impl Reserved {

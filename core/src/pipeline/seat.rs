@@ -79,6 +79,7 @@ impl Seat {
                 &["name", "plugin", "mount", "rate_hz", "every_s", "inputs", "latency_s", "variants"]
             }
             Seat::MapBuilder => &["name", "plugin", "rate_hz", "every_s", "latency_s", "variants"],
+            Seat::Slam => &["plugin", "rate_hz", "every_s", "latency_s", "variants", "resume"],
             _ => &["plugin", "rate_hz", "every_s", "latency_s", "variants"],
         }
     }

@@ -112,6 +112,8 @@ pub struct Pipeline {
     pub relocalizer: Option<StageSpec>,
     /// Map and place at once; excludes `localizer`.
     pub slam: Option<StageSpec>,
+    /// A saved state that `slam` goes on from, relative to `folder`.
+    pub resume: Option<PathBuf>,
     /// Finds the way.
     pub planner: Option<StageSpec>,
     /// Asked when the planner has no answer.

@@ -50,6 +50,7 @@ pub fn pipeline(name: &str) -> Pipeline {
         localizer: Some(stage(Stage::Localizer, &format!("{name} localizer"), "reckoning", None, "")),
         relocalizer: None,
         slam: None,
+        resume: None,
         planner: Some(stage(Stage::Planner, &format!("{name} planner"), "line", None, "")),
         planner_fallback: None,
         avoider: Some(stage(Stage::Avoider, "avoider", "beeline", None, "")),

@@ -124,6 +124,14 @@ impl LineFilter {
         filter
     }
 
+    /// Somebody says where the robot is: the walls stay, and lines that are no walls yet are forgotten, since they were seen
+    /// from elsewhere.
+    pub fn place(&mut self, robot: Vector5<f64>, spread: &Matrix5<f64>) {
+        self.state.place(robot, spread);
+        self.tentative = Tentative::default();
+        self.slipping_s = None;
+    }
+
     /// Robot and walls.
     pub fn state(&self) -> &State {
         &self.state

@@ -63,6 +63,14 @@ impl Running {
         }
     }
 
+    /// Somebody says where the robot is: clock and odometer may be others from now on.
+    pub fn place(&mut self, settings: &TrackerSettings, odom_from_base: Pose2) {
+        self.clock = settings.clock.clone();
+        self.odometer = Odometer { odom_from_base, stamp: None };
+        self.track = OdometryTrack::new();
+        (self.scans_without_match, self.looked_from) = (0, None);
+    }
+
     /// Takes in one observation.
     pub fn take(
         &mut self,

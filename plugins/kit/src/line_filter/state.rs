@@ -106,6 +106,15 @@ impl State {
         }
     }
 
+    /// The robot is elsewhere, and what it knew of its place says nothing of the walls any more.
+    pub(super) fn place(&mut self, robot: Vector5<f64>, spread: &Matrix5<f64>) {
+        self.robot = robot;
+        let mut covariance = self.covariance.view_mut();
+        covariance.rows_mut(0, ROBOT).fill(0.0);
+        covariance.columns_mut(0, ROBOT).fill(0.0);
+        covariance.fixed_view_mut::<ROBOT, ROBOT>(0, 0).copy_from(spread);
+    }
+
     /// Angles in (-pi, pi].
     pub(super) fn wrap(&mut self) {
         self.robot[2] = wrapped(self.robot[2]);

@@ -106,6 +106,23 @@ impl LineTracker {
         Ok(())
     }
 
+    /// Somebody says where the robot is in the map that it has built; the map stays.
+    ///
+    /// # Errors
+    /// Why that cannot be; everything is as it was then.
+    pub fn relocate(&mut self, prior: &Prior) -> Result<(), TrackFault> {
+        prior.check()?;
+        let needs = "a pose";
+        let Prior::Pose { map_from_base, odom_from_base, covariance } = prior else {
+            return Err(TrackFault::Prior { prior: "an unknown pose", needs });
+        };
+        let (robot, spread) = self.robot_at(map_from_base, covariance)?;
+        let running = self.running.as_mut().ok_or(TrackFault::NotStarted)?;
+        running.filter.place(robot, &spread);
+        running.place(&self.settings, *odom_from_base);
+        Ok(())
+    }
+
     /// Begins to follow the robot on a map.
     ///
     /// # Errors

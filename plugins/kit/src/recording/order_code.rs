@@ -64,6 +64,7 @@ pub fn read_order(message: &[u8]) -> Result<Order, CdrError> {
             }
             _ => return Err(bad(name)),
         },
+        "reset" => Order::Reset,
         "cancel" => Order::Cancel,
         "shutdown" => Order::Shutdown,
         _ => return Err(bad(name)),
@@ -86,6 +87,7 @@ mod tests {
             Order::Localize,
             Order::SetMap(Box::new(map)),
             Order::PersonAt(PersonPosition { position: Point2::new(0.1, 1.0 / 3.0), deviation_m: 0.7 }),
+            Order::Reset,
             Order::Cancel,
             Order::Shutdown,
         ];

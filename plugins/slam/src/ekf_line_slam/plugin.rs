@@ -81,6 +81,10 @@ impl Slam for EkfLineSlam {
         estimate.map_err(slam_error)
     }
 
+    fn relocate(&mut self, prior: &Prior, _: &mut Map) -> Result<(), SlamError> {
+        self.tracker.relocate(prior).map_err(slam_error)
+    }
+
     fn save(&self) -> Result<Vec<u8>, SlamError> {
         self.tracker.save().ok_or_else(|| slam_error(TrackFault::NotStarted))
     }

@@ -85,21 +85,15 @@ const MATCHED: [f64; 3] = [0.02 * 0.02, 0.02 * 0.02, 0.01 * 0.01];
 
 impl Slam for MatchAndMap {
     fn start(&mut self, prior: &Prior, map: &mut Map) -> Result<(), SlamError> {
-        prior.check()?;
-        let needs = "a pose";
-        let Prior::Pose { map_from_base, odom_from_base, covariance } = prior else {
-            return Err(SlamError::Prior { prior: "no pose", needs });
-        };
-        self.track = OdometryTrack::new();
-        self.state = Some(State {
-            map_from_odom: map_from_base * odom_from_base.inverse(),
-            odom_from_base: *odom_from_base,
-            variances: covariance.diagonal().map(|variance| variance.max(0.0)),
-            newest_scan: None,
-        });
+        self.stand(prior)?;
         map.grid = Some(self.blank()?);
         map.touch();
         Ok(())
+    }
+
+    // The map stays. Clock and odometer may be others from now on.
+    fn relocate(&mut self, prior: &Prior, _: &mut Map) -> Result<(), SlamError> {
+        self.stand(prior)
     }
 
     fn update(&mut self, cx: &mut Cx<'_>, seen: Seen<'_>, map: &mut Map) -> Result<Estimate, SlamError> {
@@ -135,6 +129,22 @@ impl Slam for MatchAndMap {
 }
 
 impl MatchAndMap {
+    fn stand(&mut self, prior: &Prior) -> Result<(), SlamError> {
+        prior.check()?;
+        let needs = "a pose";
+        let Prior::Pose { map_from_base, odom_from_base, covariance } = prior else {
+            return Err(SlamError::Prior { prior: "no pose", needs });
+        };
+        self.track = OdometryTrack::new();
+        self.state = Some(State {
+            map_from_odom: map_from_base * odom_from_base.inverse(),
+            odom_from_base: *odom_from_base,
+            variances: covariance.diagonal().map(|variance| variance.max(0.0)),
+            newest_scan: None,
+        });
+        Ok(())
+    }
+
     fn blank(&self) -> Result<Grid, SlamError> {
         let n_cells = (self.parameters.size_m / RESOLUTION_M).ceil().max(1.0) as u32;
         let corner_m = -f64::from(n_cells) * RESOLUTION_M / 2.0;

@@ -1,5 +1,7 @@
-//! Planners for tests: they panic, hang, talk nonsense, and tell what reached them.
+//! Planners (and a SLAM) for tests: they panic, hang, talk nonsense, and tell what reached them.
 #![allow(clippy::panic)]
+
+mod tracker;
 
 use rumbo_core::frames::Point2;
 use rumbo_core::messages::Path;

@@ -3,7 +3,7 @@
 use super::close;
 use crate::line_filter::*;
 use crate::lines::LineSettings;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Pose2, Pose3, Twist, lift, pose2};
 use rumbo_core::map::Line;
@@ -288,4 +288,52 @@ fn a_saved_tracker_goes_on() {
         assert!((estimates[0].covariance - estimates[1].covariance).amax() < 1e-15);
     }
     assert_eq!(other.filter().unwrap().walls().len(), 4);
+}
+
+#[test]
+fn a_tracker_that_is_told_where_the_robot_is_keeps_its_walls_and_takes_another_clock_and_odometer() {
+    let start = pose2(-1.0, -1.0, 0.3);
+    let mut tracker = LineTracker::new(settings());
+    assert_eq!(tracker.relocate(&at(start)).unwrap_err(), TrackFault::NotStarted);
+    tracker.build_map(&at(start)).unwrap();
+    for k in 0..30 {
+        let seconds = 100.0 + 0.05 * f64::from(k);
+        let way = TWIST.integrate(0.05 * f64::from(k));
+        let seen =
+            [odometry(seconds, pose2(3.0, -1.0, 0.4) * way), scan(seconds, start * way, Pose2::identity())];
+        update(&mut tracker, seconds, &seen).unwrap();
+    }
+    let before = tracker.filter().unwrap().layer();
+    assert!(matches!(tracker.relocate(&Prior::Unknown), Err(TrackFault::Prior { .. })));
+    assert_eq!(tracker.filter().unwrap().layer(), before);
+    // Carried to another place of the room, and told of it with an error of some centimeters; clock and odometer begin anew.
+    let (elsewhere, told) = (pose2(0.6, 0.4, -1.2), pose2(0.65, 0.36, -1.17));
+    let spread = Matrix3::from_diagonal(&Vector3::new(0.01, 0.01, 0.0025));
+    let prior = Prior::Pose { map_from_base: told, odom_from_base: Pose2::identity(), covariance: spread };
+    tracker.relocate(&prior).unwrap();
+    assert_eq!(tracker.filter().unwrap().walls().len(), 4);
+    let first = update(&mut tracker, 0.0, &[]).unwrap();
+    assert!((first.covariance2() - spread).amax() < 1e-9);
+    let mut estimate = first;
+    for k in 0..40 {
+        let seconds = 0.05 * f64::from(k);
+        let way = TWIST.integrate(seconds);
+        // Its first reading is far off, and says nothing of the way.
+        let seen = [
+            odometry(seconds, pose2(70.0, 9.0, 2.0) * way),
+            scan(seconds, elsewhere * way, Pose2::identity()),
+        ];
+        estimate = update(&mut tracker, seconds, &seen).unwrap();
+    }
+    let off = (elsewhere * TWIST.integrate(0.05 * 39.0)).inverse() * estimate.pose2();
+    assert!(off.translation.vector.norm() < 0.02 && off.rotation.angle().abs() < 0.01, "{off}");
+    assert_eq!(tracker.filter().unwrap().walls().len(), 4, "the same walls, not others");
+    let moved = |(before, after): (&Line, &Line)| {
+        let [a, b] = [before.from, before.to];
+        let c = [after.from[0] - a[0], after.from[1] - a[1]];
+        let along = [b[0] - a[0], b[1] - a[1]];
+        ((along[0] * c[1] - along[1] * c[0]) / along[0].hypot(along[1])).abs()
+    };
+    let worst = before.iter().zip(&tracker.filter().unwrap().layer()).map(moved).fold(0.0, f64::max);
+    assert!(worst < 0.02, "a wall moved by {worst} m");
 }

@@ -1,0 +1,223 @@
+//! `rumbo eval slam`: SLAM plugins on real logs, one row for each log and pipeline.
+
+use super::relations::in_time_of;
+use crate::exit::{Exit, Failure};
+use crate::load::{self, Ready};
+use crate::run::on_interrupt;
+use crate::run::poses::Poses;
+use crate::terminal::Terminal;
+use crate::usage::{forget_peak_memory, peak_memory_mb, thread_cpu_s};
+use rumbo_core::engine::{EndReason, Engine};
+use rumbo_core::time::Span;
+use rumbo_kit::relations::{Relation, pose_near, read_relations, relation_errors};
+use rumbo_kit::spread::Spread;
+use rumbo_kit::trajectory::{StampedPose, Trajectory};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Stamps this close are the same.
+const SAME_STAMP_S: f64 = 0.000_05;
+
+/// Errors, speed and memory of SLAM plugins on robot logs: a row for each log and pipeline
+///
+/// Every pipeline plays every log as its world (`world.file`). Where the robot was at its scans, as the plugin thought at
+/// the time and as it knows at the end of the run, is judged by known relations between scans (as `rumbo eval relations`),
+/// which lie beside the log: NAME.clf.gz and NAME.relations.gz.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Pipelines with a [slam] whose world is a log
+    #[arg(required = true)]
+    pipelines: Vec<PathBuf>,
+    /// A robot log; may be given several times
+    #[arg(long = "log", value_name = "LOG", required = true)]
+    logs: Vec<PathBuf>,
+    /// Change a value of all pipelines, for example --set slam.levels=3
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    sets: Vec<String>,
+    /// Print the rows as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// Errors of one set of poses.
+#[derive(Serialize)]
+struct Errors {
+    n_used: usize,
+    translation_m: Spread,
+    rotation_rad: Spread,
+}
+
+#[derive(Serialize)]
+struct Row {
+    log: String,
+    pipeline: String,
+    plugin: String,
+    reason: EndReason,
+    n_relations: usize,
+    /// Where the plugin thought that the robot was, at each scan.
+    at_the_time: Option<Errors>,
+    /// Where it knows at the end that the robot was; absent where it keeps no trajectory.
+    at_the_end: Option<Errors>,
+    log_s: f64,
+    wall_s: f64,
+    cpu_s: Option<f64>,
+    peak_memory_mb: Option<f64>,
+}
+
+/// Does it.
+pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
+    let interrupt = on_interrupt()?;
+    let relations: Result<Vec<_>, _> = args.logs.iter().map(|log| relations_of(log)).collect();
+    let (relations, mut rows) = (relations?, Vec::new());
+    if !args.json {
+        terminal.say(terminal.soft(&head()));
+    }
+    for (log, relations) in args.logs.iter().zip(&relations) {
+        for pipeline in &args.pipelines {
+            let row = row_of(args, log, pipeline, relations, &interrupt, terminal)?;
+            if row.reason == EndReason::Interrupted {
+                return Ok(Exit::Interrupted);
+            }
+            if !args.json {
+                terminal.say(line(&row));
+            }
+            rows.push(row);
+        }
+    }
+    if args.json {
+        terminal.json(&rows)?;
+    }
+    let all_played = rows.iter().all(|row| row.reason == EndReason::Ended);
+    Ok(if all_played { Exit::Success } else { Exit::NoSuccess })
+}
+
+/// The relations beside a log: `x.clf.gz` has `x.relations.gz` or `x.relations`.
+fn relations_of(log: &Path) -> Result<Vec<Relation>, Failure> {
+    let name = log.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = name.split('.').next().unwrap_or_default();
+    let beside = |ending: &str| log.with_file_name(format!("{stem}.{ending}"));
+    let found = [beside("relations.gz"), beside("relations")].into_iter().find(|path| path.exists());
+    let path = found.ok_or_else(|| {
+        let missing = beside("relations.gz");
+        Failure::Usage(format!(
+            "{} has no relations beside it: there is no {}",
+            log.display(),
+            missing.display()
+        ))
+    })?;
+    read_relations(&path).map(|(relations, _)| relations).map_err(|error| Failure::Usage(error.to_string()))
+}
+
+fn row_of(
+    args: &Args,
+    log: &Path,
+    pipeline: &Path,
+    relations: &[Relation],
+    interrupt: &AtomicBool,
+    terminal: &Terminal,
+) -> Result<Row, Failure> {
+    let ready = ready(args, log, pipeline, terminal)?;
+    let Some(slam) = &ready.pipeline.slam else {
+        return Err(Failure::Usage(format!("{} has no [slam] to judge", pipeline.display())));
+    };
+    forget_peak_memory();
+    let built = Engine::build(&ready.pipeline);
+    let mut engine = built.map_err(|error| ready.explain(&error, args.json, terminal))?;
+    let (clock, cpu_before) = (Instant::now(), thread_cpu_s());
+    let mut poses = Poses::default();
+    let end = engine.run(&mut [&mut poses], interrupt);
+    let (wall_s, cpu_after) = (clock.elapsed().as_secs_f64(), thread_cpu_s());
+    if let Some(detail) = end.detail.filter(|_| end.reason != EndReason::Ended) {
+        terminal.error(&format!("{} on {}: {detail}", pipeline.display(), log.display()));
+    }
+    let known = engine.trajectory();
+    let known = known.map_err(|error| Failure::Internal(format!("{}: {error}", pipeline.display())))?;
+    let known = known.iter().map(|pose| (pose.stamp, pose.map_from_base)).map(stamped).collect();
+    let thought = poses.poses().map(stamped).collect();
+    Ok(Row {
+        log: name_of(log),
+        pipeline: name_of(pipeline),
+        plugin: slam.entry.name.clone(),
+        reason: end.reason,
+        n_relations: relations.len(),
+        at_the_time: errors(log, thought, relations)?,
+        at_the_end: errors(log, known, relations)?,
+        log_s: (engine.view().now - engine.view().started).as_secs(),
+        wall_s,
+        cpu_s: cpu_after.zip(cpu_before).map(|(after, before)| after - before),
+        peak_memory_mb: peak_memory_mb(),
+    })
+}
+
+fn ready(args: &Args, log: &Path, pipeline: &Path, terminal: &Terminal) -> Result<Ready, Failure> {
+    // A path from the working folder stays one, whatever folder the pipeline is in.
+    let log = std::path::absolute(log).unwrap_or_else(|_| log.to_path_buf());
+    let file = toml::Value::from(log.display().to_string());
+    let sets: Vec<String> = args.sets.iter().cloned().chain([format!("world.file={file}")]).collect();
+    load::checked(pipeline, &sets, args.json, terminal)
+}
+
+fn stamped((stamp, world_from_body): (rumbo_core::time::Time, rumbo_core::frames::Pose3)) -> StampedPose {
+    StampedPose { stamp, world_from_body }
+}
+
+fn errors(log: &Path, poses: Vec<StampedPose>, relations: &[Relation]) -> Result<Option<Errors>, Failure> {
+    let (poses, _) = Trajectory::of(in_time_of(log, &poses)?);
+    let tolerance = Span::from_secs(SAME_STAMP_S);
+    let errors = relation_errors(relations, |stamp| pose_near(&poses, stamp, tolerance));
+    let n_used = relations.len() - errors.n_missed;
+    let spreads = Spread::of(errors.translation_m).zip(Spread::of(errors.rotation_rad));
+    Ok(spreads.map(|(translation_m, rotation_rad)| Errors { n_used, translation_m, rotation_rad }))
+}
+
+fn name_of(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    name.split('.').next().unwrap_or_default().to_owned()
+}
+
+fn head() -> String {
+    format!(
+        "{:18} {:28} {:>12} {:>21} {:>21} {:>19} {:>10} {:>8} {:>8}",
+        "log",
+        "pipeline",
+        "relations",
+        "at the time, m",
+        "at the end, m",
+        "at the end, deg",
+        "x real",
+        "x cpu",
+        "MB"
+    )
+}
+
+fn line(row: &Row) -> String {
+    let meters = |errors: &Option<Errors>| {
+        errors.as_ref().map_or("-".to_owned(), |errors| mean_and_std(&errors.translation_m, 1.0))
+    };
+    let degrees = |errors: &Option<Errors>| {
+        let degree = 1.0_f64.to_degrees();
+        errors.as_ref().map_or("-".to_owned(), |errors| mean_and_std(&errors.rotation_rad, degree))
+    };
+    let judged = row.at_the_end.as_ref().or(row.at_the_time.as_ref());
+    let used = format!("{} of {}", judged.map_or(0, |errors| errors.n_used), row.n_relations);
+    let times = |seconds: Option<f64>| {
+        seconds.filter(|s| *s > 0.0).map_or("-".to_owned(), |s| format!("{:.0}", row.log_s / s))
+    };
+    let megabytes = row.peak_memory_mb.map_or("-".to_owned(), |mb| format!("{mb:.0}"));
+    format!(
+        "{:18} {:28} {used:>12} {:>21} {:>21} {:>19} {:>10} {:>8} {megabytes:>8}",
+        row.log,
+        row.pipeline,
+        meters(&row.at_the_time),
+        meters(&row.at_the_end),
+        degrees(&row.at_the_end),
+        times(Some(row.wall_s)),
+        times(row.cpu_s),
+    )
+}
+
+fn mean_and_std(spread: &Spread, factor: f64) -> String {
+    format!("{:.4} +- {:.4}", spread.mean * factor, spread.std * factor)
+}
