@@ -8,7 +8,7 @@ use super::memory_file::{memory_bytes, memory_of};
 use super::params::LastingChangesParams;
 use super::raster::Raster;
 use super::visit::Visit;
-use crate::occupancy_grid::UpdateGate;
+use rumbo_kit::occupancy::UpdateGate;
 use crate::scan_poses::ScanPoses;
 use rumbo_core::frames::{Pose2, is_finite2};
 use rumbo_core::map::{CellClass, Grid, Layer, Map};
