@@ -86,7 +86,8 @@ impl Motion {
                 Data::Imu(imu) => {
                     let rates = Vector3::from(imu.rates_rad_s);
                     let about_up = (observation.base_from_sensor.rotation * rates).z;
-                    let is_newer = self.rates_rad_s.back().is_none_or(|(stamp, _)| *stamp < observation.stamp);
+                    let is_newer =
+                        self.rates_rad_s.back().is_none_or(|(stamp, _)| *stamp < observation.stamp);
                     if is_newer && about_up.is_finite() {
                         self.rates_rad_s.push_back((observation.stamp, about_up));
                     }
@@ -135,11 +136,7 @@ impl Motion {
         };
         let seconds = (stamp - before).as_secs().max(0.0);
         let has_odometry = self.rule == PredictionRule::Odometry && self.odometry.stamp().is_some();
-        let mut step = if has_odometry {
-            self.by_odometry(before, stamp)
-        } else {
-            self.by_velocity(seconds)
-        };
+        let mut step = if has_odometry { self.by_odometry(before, stamp) } else { self.by_velocity(seconds) };
         let turned = (self.rule == PredictionRule::Odometry).then(|| self.turned(before, stamp)).flatten();
         if let Some(turn) = turned {
             let way = step.before_from_after.translation;

@@ -56,7 +56,8 @@ impl PlaceSearch {
     pub fn anywhere(&mut self, map: &Map, points: &ScanPoints) -> Option<Pose2> {
         let grid = map.grid.as_ref()?;
         let (columns, rows) = grid.known_extent()?;
-        let middle = |range: &std::ops::Range<u32>| 0.5 * f64::from(range.start + range.end) * grid.resolution_m();
+        let middle =
+            |range: &std::ops::Range<u32>| 0.5 * f64::from(range.start + range.end) * grid.resolution_m();
         let reach_m = 0.5 * columns.len().max(rows.len()) as f64 * grid.resolution_m();
         let center = grid.map_from_grid() * Point2::new(middle(&columns), middle(&rows));
         let guess = rumbo_core::frames::pose2(center.x, center.y, 0.0);

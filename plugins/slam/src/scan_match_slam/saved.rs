@@ -11,15 +11,15 @@ use rumbo_kit::seal::{Broken, Reader, Seal};
 const SEAL: Seal = Seal { magic: *b"RUMBOSMS", version: 1 };
 
 /// Everything that a later run needs; none before the first scan.
-pub fn save(tracker: &ScanTracker, map: Option<&Map>) -> Option<Vec<u8>> {
-    let (state, map) = (tracker.state?, map?);
+pub fn save(tracker: &ScanTracker) -> Option<Vec<u8>> {
+    let (state, map) = (tracker.state?, &tracker.kept);
     let mut bytes = SEAL.begin(64 + 4 * map.grid.as_ref().map_or(0, |grid| grid.cells.len()) * 3 / 2);
-    bytes.extend(state.stamp.as_nanos().to_le_bytes());
+    bytes.extend(state.stamp.0.to_le_bytes());
     put_pose(&mut bytes, &state.map_from_base);
     put(&mut bytes, state.covariance.as_slice());
     bytes.extend((tracker.trajectory.len() as u32).to_le_bytes());
     for (stamp, pose) in &tracker.trajectory {
-        bytes.extend(stamp.as_nanos().to_le_bytes());
+        bytes.extend(stamp.0.to_le_bytes());
         put_pose(&mut bytes, pose);
     }
     let grids: Vec<&Grid> = map.grid.iter().chain(&map.coarse_grids).collect();
@@ -36,7 +36,8 @@ pub fn save(tracker: &ScanTracker, map: Option<&Map>) -> Option<Vec<u8>> {
 /// What is wrong with the bytes; nothing was changed then.
 pub fn restore(tracker: &mut ScanTracker, bytes: &[u8], map: &mut Map) -> Result<(), Broken> {
     let mut rest = SEAL.open(bytes)?;
-    let (state, trajectory, mut grids) = read(&mut rest).filter(|_| rest.is_empty()).ok_or(Broken::Damaged)?;
+    let (state, trajectory, mut grids) =
+        read(&mut rest).filter(|_| rest.is_empty()).ok_or(Broken::Damaged)?;
     if grids.is_empty() {
         return Err(Broken::Damaged);
     }
@@ -50,10 +51,20 @@ pub fn restore(tracker: &mut ScanTracker, bytes: &[u8], map: &mut Map) -> Result
     if !tracker.settings.mapper.pyramid.fits(&restored) {
         return Err(Broken::Damaged);
     }
-    (map.grid, map.coarse_grids) = (restored.grid, restored.coarse_grids);
+    // Cells of their own: what is kept is written again at every insertion.
+    (map.grid, map.coarse_grids) =
+        (restored.grid.as_ref().map(unshared), restored.coarse_grids.iter().map(unshared).collect());
+    fresh.kept = restored;
     map.touch();
     *tracker = fresh;
     Ok(())
+}
+
+/// A copy that shares no cells.
+fn unshared(grid: &Grid) -> Grid {
+    let mut copy = grid.clone();
+    copy.cells.make_mut();
+    copy
 }
 
 fn put(bytes: &mut Vec<u8>, numbers: &[f64]) {
@@ -76,7 +87,7 @@ fn put_grid(bytes: &mut Vec<u8>, grid: &Grid) {
 type Parts = (Tracked, Vec<(Time, Pose2)>, Vec<Grid>);
 
 fn read(rest: &mut Reader<'_>) -> Option<Parts> {
-    let stamp = Time::from_nanos(rest.i64()?);
+    let stamp = Time(rest.i64()?);
     let map_from_base = pose(rest)?;
     let mut covariance = Matrix3::zeros();
     for value in covariance.iter_mut() {
@@ -85,7 +96,7 @@ fn read(rest: &mut Reader<'_>) -> Option<Parts> {
     let n_poses = rest.u32()?;
     let mut trajectory = Vec::new();
     for _ in 0..n_poses {
-        trajectory.push((Time::from_nanos(rest.i64()?), pose(rest)?));
+        trajectory.push((Time(rest.i64()?), pose(rest)?));
     }
     let n_grids = rest.u32()?;
     let mut grids = Vec::new();

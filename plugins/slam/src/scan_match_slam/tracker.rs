@@ -100,6 +100,8 @@ pub struct ScanTracker {
     pub(super) status: MatchStatus,
     pub(super) counters: Counters,
     pub(super) trajectory: Vec<(Time, Pose2)>,
+    /// The levels once more: what a save needs, which does not see the map, and must not share its cells.
+    pub(super) kept: Map,
     points: ScanPoints,
     places: PlaceSearch,
 }
@@ -121,19 +123,31 @@ impl ScanTracker {
             status: MatchStatus::Ok,
             counters: Counters::default(),
             trajectory: Vec::new(),
+            kept: Map::default(),
             points: ScanPoints::default(),
             places: PlaceSearch::new(settings.places),
         }
     }
 
     /// An empty map around the pose where the robot begins.
-    pub fn begin(&mut self, map_from_base: Pose2, covariance: Matrix3<f64>, map: &mut Map) -> Result<(), GridFault> {
+    pub fn begin(
+        &mut self,
+        map_from_base: Pose2,
+        covariance: Matrix3<f64>,
+        map: &mut Map,
+    ) -> Result<(), GridFault> {
         *self = ScanTracker::new(self.settings);
         self.pending = Some((map_from_base, covariance));
         let around = Point2::from(map_from_base.translation.vector);
-        self.settings.mapper.pyramid.lay(map, self.settings.size_cells, around, [0.5, 0.5])?;
+        self.lay(around, map)?;
         map.touch();
         Ok(())
+    }
+
+    fn lay(&mut self, around: Point2, map: &mut Map) -> Result<(), GridFault> {
+        let TrackerSettings { size_cells, mapper, .. } = self.settings;
+        mapper.pyramid.lay(map, size_cells, around, [0.5, 0.5])?;
+        mapper.pyramid.lay(&mut self.kept, size_cells, around, [0.5, 0.5])
     }
 
     /// Somebody says where the robot is; the next match begins there.
@@ -213,7 +227,7 @@ impl ScanTracker {
         }
         if !self.settings.mapper.pyramid.fits(map) {
             let around = Point2::from(predicted.map_from_base.translation.vector);
-            self.settings.mapper.pyramid.lay(map, self.settings.size_cells, around, [0.5, 0.5])?;
+            self.lay(around, map)?;
         }
         self.status = MatchStatus::Ok;
         let is_inserted = self.insert(observation, scan, &predicted.map_from_base, map)?;
@@ -256,10 +270,7 @@ impl ScanTracker {
         let deviations = self.drift.diagonal().map(|v| v.max(0.0).sqrt());
         let [way, turn] = self.settings.near_reach;
         let most = [4.0 * way, std::f64::consts::PI];
-        [
-            (way + 2.0 * deviations.x.max(deviations.y)).min(most[0]),
-            (turn + 2.0 * deviations.z).min(most[1]),
-        ]
+        [(way + 2.0 * deviations.x.max(deviations.y)).min(most[0]), (turn + 2.0 * deviations.z).min(most[1])]
     }
 
     fn match_from(
@@ -268,10 +279,11 @@ impl ScanTracker {
         predicted: Option<&Tracked>,
         map: &Map,
     ) -> (Option<ScanMatch>, MatchStatus) {
-        let prior = predicted.zip(self.settings.residual_variance).and_then(|(predicted, residual_variance)| {
-            let information = self.drift.try_inverse()?;
-            Some(PosePrior { map_from_base: predicted.map_from_base, information, residual_variance })
-        });
+        let prior =
+            predicted.zip(self.settings.residual_variance).and_then(|(predicted, residual_variance)| {
+                let information = self.drift.try_inverse()?;
+                Some(PosePrior { map_from_base: predicted.map_from_base, information, residual_variance })
+            });
         let levels = levels_of(map);
         let found = match_scan(&levels, &self.points, start, prior.as_ref(), &self.settings.matching);
         let mut gate = self.settings.gate;
@@ -347,6 +359,7 @@ impl ScanTracker {
             return Ok(false);
         }
         gate.close(map_from_base);
+        self.mapper.insert(scan, map_from_base, &observation.base_from_sensor, &mut self.kept)?;
         self.counters.inserted += 1;
         map.touch();
         Ok(true)
