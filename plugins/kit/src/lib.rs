@@ -29,6 +29,7 @@ pub mod normal;
 pub mod occupancy;
 pub mod plane;
 pub mod port;
+pub mod pose_graph;
 pub mod potential;
 pub mod proximity;
 pub mod ray;
