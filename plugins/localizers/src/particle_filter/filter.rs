@@ -11,7 +11,6 @@ use super::motion::MotionModel;
 use super::particles::Particles;
 use super::pose_bins::{BinSet, bin_of};
 use super::recovery::Recovery;
-use super::resampling::{IndependentDraws, low_variance};
 use super::slip::Slipping;
 use super::streams::{Purpose, Streams};
 use super::terrain::Terrain;
