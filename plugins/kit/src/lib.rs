@@ -5,6 +5,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod beam_table;
+pub mod correlative;
 pub mod cost_field;
 pub mod depth;
 pub mod depth_file;
@@ -35,12 +36,14 @@ pub mod ray;
 pub mod recording;
 pub mod relations;
 pub mod resampling;
+pub mod scan_match;
 pub mod seal;
 pub mod segment;
 pub mod simd;
 mod small_file;
 pub mod spread;
 pub mod streams;
+pub mod tile_map;
 pub mod trajectory;
 pub mod tum_rgbd;
 pub mod turn_way_turn;
