@@ -41,11 +41,10 @@ impl NormalEquations {
     /// The equations of a graph; none where no pose can move.
     pub(super) fn of(graph: &PoseGraph) -> Option<NormalEquations> {
         let held = held_poses(graph);
-        let mut n_columns = 0;
-        let columns: Vec<Option<usize>> = held
-            .iter()
-            .map(|held| (!held).then(|| std::mem::replace(&mut n_columns, n_columns + 1)))
-            .collect();
+        let mut free = 0..;
+        let columns: Vec<Option<usize>> =
+            held.iter().map(|held| if *held { None } else { free.next() }).collect();
+        let n_columns = free.start;
         if n_columns == 0 {
             return None;
         }
