@@ -9,7 +9,6 @@ pub mod landmark_noise;
 pub mod landmark_relaxation;
 pub mod number_faults;
 pub mod odometry;
-pub mod odometry_history;
 pub mod particle_filter;
 pub mod prior;
 pub mod recorded_pose;

@@ -4,6 +4,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2};
 use rumbo_core::frames::{Pose2, Pose3, Twist, flatten};
 use rumbo_core::messages::{Mark, Marks, Odometry, Status};
 use rumbo_core::time::Time;
+use rumbo_kit::odometry_history::{OdometryHistory, Reading};
 
 use super::belief::{Belief, GATE};
 use super::fix::locate;
@@ -12,7 +13,6 @@ use super::recent::Recent;
 use super::sighting::Sighting;
 use super::sureness::Sureness;
 use crate::deviations::deviations;
-use crate::odometry_history::{OdometryHistory, Reading};
 
 /// How the filter works.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3, Rotation2, Vector2};
 use rumbo_core::frames::{Pose2, Pose3, Twist, pose2};
 use rumbo_core::messages::{Imu, Odometry, PositionFix, Status};
 use rumbo_core::time::{Span, Time};
+use rumbo_kit::odometry_history::{OdometryHistory, Reading};
 
 use super::alignment::Alignment;
 use super::ekf::{Ekf, EkfSettings};
@@ -13,7 +14,6 @@ use super::params::{Fusion, HeadingSource};
 use super::pulled::{Pulled, PulledSettings, Taken};
 use super::seen_fix::SeenFix;
 use crate::deviations::deviations;
-use crate::odometry_history::{OdometryHistory, Reading};
 
 /// How the localizer works.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,6 @@ use super::params::LandmarkRelaxationParams;
 use super::search::{Progress, Search};
 use super::sighting::Sighting;
 use crate::odometry::{DeadReckoning, OdometryParams};
-use crate::odometry_history::OdometryHistory;
 use crate::particle_filter::scan_queue::{PendingScan, ScanQueue};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, lift};
@@ -18,6 +17,7 @@ use rumbo_core::registry::{Manifest, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, LocalizeError, Localizer};
 use rumbo_core::time::{Span, Time};
 use rumbo_core::trace::Trace;
+use rumbo_kit::odometry_history::OdometryHistory;
 
 /// See [`LandmarkRelaxationParams`].
 struct LandmarkRelaxation {

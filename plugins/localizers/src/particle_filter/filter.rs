@@ -11,7 +11,6 @@ use super::motion::MotionModel;
 use super::particles::Particles;
 use super::pose_bins::{BinSet, bin_of};
 use super::recovery::Recovery;
-use super::resampling::{IndependentDraws, low_variance};
 use super::slip::Slipping;
 use super::streams::{Purpose, Streams};
 use super::terrain::Terrain;
@@ -22,6 +21,7 @@ use rumbo_core::frames::{Pose2, wrap_angle};
 use rumbo_core::map::Grid;
 use rumbo_core::rng::Rng;
 use rumbo_kit::grid_poses::GridPoses;
+use rumbo_kit::resampling::{IndependentDraws, low_variance};
 
 /// Numbers of the filter.
 #[derive(Debug, Clone, PartialEq)]

@@ -22,7 +22,6 @@ pub mod motion;
 pub mod particles;
 pub mod pose_bins;
 pub mod recovery;
-pub mod resampling;
 pub mod scan_queue;
 mod silence;
 mod slip;

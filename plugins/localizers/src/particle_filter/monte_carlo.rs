@@ -14,13 +14,13 @@ use super::terrain::Terrain;
 use super::tracker_settings::{Counters, TrackerSettings};
 use super::unmapped::without_unmapped;
 use super::wishes::wish;
-use crate::odometry_history::OdometryHistory;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, lift};
 use rumbo_core::map::{Grid, Map};
 use rumbo_core::messages::{Check, Estimate, Prior, Seen, Status};
 use rumbo_core::stages::LocalizeError;
 use rumbo_core::time::{Span, Time};
+use rumbo_kit::odometry_history::OdometryHistory;
 
 /// A filter that follows a robot.
 pub struct MonteCarlo {

@@ -1,6 +1,7 @@
 //! The particles: columns of numbers, one row a guess of where the robot is.
 
 use rumbo_core::frames::{Pose2, pose2};
+use rumbo_kit::resampling::effective_number;
 
 /// Guesses of `map_from_base`, equal in number to their weights.
 ///
@@ -97,12 +98,6 @@ impl Particles {
     pub fn effective_number(&self) -> f64 {
         effective_number(&self.weights)
     }
-}
-
-/// 1 / Σ w² of weights that need not sum to 1; 0 without any weight.
-pub fn effective_number(weights: &[f64]) -> f64 {
-    let (sum, squares) = weights.iter().fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
-    if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Scans that wait for the odometer, and which of them are weighed together.
 
-use crate::odometry_history::OdometryHistory;
 use rumbo_core::frames::Pose3;
 use rumbo_core::messages::{LaserScan, Observation, SensorId};
 use rumbo_core::time::{Span, Time};
+use rumbo_kit::odometry_history::OdometryHistory;
 use std::collections::{BTreeMap, VecDeque};
 
 /// A scan with its stamp and mount.

@@ -1,8 +1,6 @@
 //! Random streams by key: what is drawn depends on the run's seed, the step and the purpose, never on what was drawn
 //! before or on how many threads draw.
 
-use rand::Rng as _;
-use rand::SeedableRng;
 use rumbo_core::rng::Rng;
 
 /// What random numbers are drawn for.
@@ -18,26 +16,24 @@ pub enum Purpose {
 
 /// Makes the streams of one filter.
 #[derive(Debug, Clone)]
-pub struct Streams {
-    key: u64,
-}
+pub struct Streams(rumbo_kit::streams::Streams);
 
 impl Streams {
     /// Streams that belong to this instance's own stream.
-    pub fn new(mut rng: Rng) -> Streams {
-        Streams { key: rng.next_u64() }
+    pub fn new(rng: Rng) -> Streams {
+        Streams(rumbo_kit::streams::Streams::new(rng))
     }
 
     /// The stream of one step and purpose.
     pub fn stream(&self, step: u64, purpose: Purpose) -> Rng {
-        // The generator's own seeding scrambles neighboring seeds into unrelated states.
-        Rng::seed_from_u64(self.key ^ (step.wrapping_mul(4).wrapping_add(purpose as u64)).rotate_left(20))
+        self.0.numbered(step.wrapping_mul(4).wrapping_add(purpose as u64))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::Rng as _;
 
     #[test]
     fn streams_differ_by_step_purpose_and_seed_and_by_nothing_else() {

@@ -3,7 +3,6 @@
 use super::params::TriangulationParams;
 use super::scan::SeenScan;
 use super::tracker::{Anchor, Tracker};
-use crate::odometry_history::{OdometryHistory, Reading};
 use crate::particle_filter::scan_queue::{PendingScan, ScanQueue};
 use nalgebra::Vector3;
 use rumbo_core::frames::{Pose2, flatten};
@@ -14,6 +13,7 @@ use rumbo_core::rng::Rng;
 use rumbo_core::stages::{BuildContext, BuildError, Cx, LocalizeError, Localizer};
 use rumbo_core::time::{Span, Time};
 use rumbo_kit::landmarks::BeamFan;
+use rumbo_kit::odometry_history::{OdometryHistory, Reading};
 
 /// See [`TriangulationParams`].
 struct Triangulation {

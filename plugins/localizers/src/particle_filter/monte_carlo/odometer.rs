@@ -1,10 +1,10 @@
 //! What the filter makes of the odometer's readings, also of those that jump.
 
 use super::MonteCarlo;
-use crate::odometry_history::{Reading, is_jump};
 use rumbo_core::frames::Pose2;
 use rumbo_core::messages::{Check, Odometry};
 use rumbo_core::time::Time;
+use rumbo_kit::odometry_history::{Reading, is_jump};
 
 impl MonteCarlo {
     /// Standard deviation of the heading after a jump, radians.

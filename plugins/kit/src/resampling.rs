@@ -118,6 +118,12 @@ impl IndependentDraws {
     }
 }
 
+/// How many equal particles would say as much (Liu 1996): 1 / Σ w² of weights that need not sum to 1; 0 without any weight.
+pub fn effective_number(weights: &[f64]) -> f64 {
+    let (sum, squares) = weights.iter().fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+    if squares > 0.0 { sum * sum / squares } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,270 @@
+//! The key frames, and what is known between them.
+
+use super::nearest::NearestTable;
+use super::registration::{Expected, Registered, RegistrationSettings, register};
+use super::surface::{SurfacePoint, Turn};
+use nalgebra::{Matrix3, Vector3};
+use rumbo_core::frames::{Pose2, Pose3};
+use rumbo_core::messages::LaserScan;
+use rumbo_kit::pose_graph::{Constraint, GraphOptimizer, OptimizeSettings, PoseGraph, RobustKernel};
+use std::cmp::Reverse;
+use std::collections::{BTreeSet, BinaryHeap};
+
+/// A scan that is kept.
+#[derive(Debug, Clone)]
+pub(super) struct KeyFrame {
+    /// What was seen.
+    pub scan: LaserScan,
+    /// From where.
+    pub base_from_sensor: Pose3,
+    /// Its surfaces, seen from the base.
+    pub surface: Vec<SurfacePoint>,
+}
+
+/// How key frames are tied together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TieSettings {
+    pub registration: RegistrationSettings,
+    /// Share of the information of all pairs that is believed: neighboring points err alike.
+    pub believed_share: f64,
+    /// Key frames before a new one that it is tied to.
+    pub n_before: usize,
+    /// Key frames of earlier visits that it is tied to.
+    pub n_neighbors: usize,
+    /// How far away these may be, meters.
+    pub neighbor_reach_m: f64,
+    /// Registrations with less overlap are not believed.
+    pub least_overlap: f64,
+    /// Nor those whose pairs agree less.
+    pub least_agreement: f64,
+    /// Nor those that are this far from where they were expected, meters and radians.
+    pub most_surprise: [f64; 2],
+    /// Ways longer than this through the graph need a search before they are tied, meters.
+    pub trusted_way_m: f64,
+    /// Error of the odometer: at least, and a share of the way (meters), and the same of the turn (radians).
+    pub odometer: [f64; 4],
+    /// Deviations at which a tie begins to count less.
+    pub kernel_c: f64,
+}
+
+/// A turn of one radian is as long a way as this, meters.
+const TURN_AS_WAY_M: f64 = 0.5;
+
+/// Key frames with their graph.
+#[derive(Debug)]
+pub(super) struct Atlas {
+    pub settings: TieSettings,
+    pub frames: Vec<KeyFrame>,
+    pub graph: PoseGraph,
+    optimizer: GraphOptimizer,
+    /// Pairs that were registered, whether it worked or not.
+    tried: BTreeSet<(usize, usize)>,
+    /// Ties of each frame: the other one, and how long the way is, meters.
+    ways: Vec<Vec<(usize, f64)>>,
+    table: NearestTable,
+    table_of: Option<usize>,
+}
+
+impl Clone for Atlas {
+    fn clone(&self) -> Atlas {
+        Atlas {
+            settings: self.settings,
+            frames: self.frames.clone(),
+            graph: self.graph.clone(),
+            optimizer: GraphOptimizer::default(),
+            tried: self.tried.clone(),
+            ways: self.ways.clone(),
+            table: NearestTable::default(),
+            table_of: None,
+        }
+    }
+}
+
+impl Atlas {
+    pub fn new(settings: TieSettings) -> Atlas {
+        Atlas {
+            settings,
+            frames: Vec::new(),
+            graph: PoseGraph::default(),
+            optimizer: GraphOptimizer::default(),
+            tried: BTreeSet::new(),
+            ways: Vec::new(),
+            table: NearestTable::default(),
+            table_of: None,
+        }
+    }
+
+    /// Pose of a key frame in the map.
+    pub fn pose(&self, frame: usize) -> Pose2 {
+        self.graph.pose(frame).unwrap_or_else(Pose2::identity)
+    }
+
+    /// Adds a key frame at a pose, bound to the one before it by the odometer alone.
+    pub fn add(&mut self, frame: KeyFrame, map_from_base: &Pose2, before: Option<(usize, Pose2)>) -> Option<usize> {
+        let node = self.graph.add_pose(map_from_base).ok()?;
+        self.frames.push(frame);
+        self.ways.push(Vec::new());
+        if let Some((before, before_from_base)) = before {
+            let [least_m, share_m, least_rad, share_rad] = self.settings.odometer;
+            let way_m = before_from_base.translation.vector.norm();
+            let turn_rad = before_from_base.rotation.angle().abs();
+            let (off_m, off_rad) = (least_m + share_m * way_m, least_rad + share_rad * turn_rad);
+            let diagonal = Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
+            self.bind(before, node, before_from_base, Matrix3::from_diagonal(&diagonal), RobustKernel::Quadratic);
+        }
+        Some(node)
+    }
+
+    /// Pairs that were registered.
+    pub fn tried(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        self.tried.iter().copied()
+    }
+
+    /// A pair that was registered before this atlas was saved.
+    pub fn mark_tried(&mut self, pair: (usize, usize)) {
+        self.tried.insert(pair);
+    }
+
+    /// A constraint as it was saved.
+    pub fn put_back(&mut self, constraint: Constraint) -> Option<()> {
+        self.graph.add(constraint).ok()?;
+        self.add_way(&constraint);
+        Some(())
+    }
+
+    fn bind(&mut self, from: usize, to: usize, from_to: Pose2, information: Matrix3<f64>, kernel: RobustKernel) {
+        // In the axes of the measured frame.
+        let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), from_to.rotation.angle());
+        let information = turn.matrix().transpose() * information * turn.matrix();
+        let information = (information + information.transpose()) * 0.5;
+        let constraint = Constraint { from: Some(from), to, from_to, information, kernel };
+        if self.graph.add(constraint).is_ok() {
+            self.add_way(&constraint);
+        }
+    }
+
+    fn add_way(&mut self, constraint: &Constraint) {
+        let Constraint { from: Some(from), to, from_to, .. } = *constraint else { return };
+        let way_m = from_to.translation.vector.norm() + TURN_AS_WAY_M * from_to.rotation.angle().abs();
+        for (a, b) in [(from, to), (to, from)] {
+            self.ways.iter_mut().skip(a).take(1).for_each(|ways| ways.push((b, way_m)));
+        }
+    }
+
+    /// Registers `other` on `frame` from where it is expected; ties them when that can be believed.
+    pub fn tie(&mut self, frame: usize, other: usize, expected: &Pose2, first_gate_m: f64, is_loop: bool) -> bool {
+        let pair = (frame.min(other), frame.max(other));
+        if frame == other || !self.tried.insert(pair) {
+            return false;
+        }
+        let Some(found) = self.registered(frame, other, expected, first_gate_m) else { return false };
+        let (c, share) = (self.settings.kernel_c, self.settings.believed_share);
+        let kernel = if is_loop { RobustKernel::Huber { c } } else { RobustKernel::Cauchy { c } };
+        self.bind(frame, other, found.reference_from_scan, found.information * share, kernel);
+        true
+    }
+
+    fn registered(&mut self, frame: usize, other: usize, expected: &Pose2, first_gate_m: f64) -> Option<Registered> {
+        if self.table_of != Some(frame) {
+            self.table.fill(self.frames.get(frame)?.surface.iter().copied());
+            self.table_of = Some(frame);
+        }
+        let scan = &self.frames.get(other)?.surface;
+        let expected = Expected { reference_from_scan: *expected, information: Matrix3::zeros(), first_gate_m };
+        let found = register(&self.table, scan, &expected, &self.settings.registration)?;
+        let off = expected.reference_from_scan.inverse() * found.reference_from_scan;
+        let [most_m, most_rad] = self.settings.most_surprise;
+        let is_believed = found.overlap >= self.settings.least_overlap
+            && found.agreement >= self.settings.least_agreement
+            && off.translation.vector.norm() <= most_m
+            && off.rotation.angle().abs() <= most_rad;
+        is_believed.then_some(found)
+    }
+
+    /// Ties a frame to those before it, and to the nearest ones of earlier visits whose place is known well enough.
+    pub fn tie_neighbors(&mut self, frame: usize) {
+        for before in (frame.saturating_sub(self.settings.n_before)..frame).rev() {
+            let expected = self.pose(frame).inverse() * self.pose(before);
+            self.tie(frame, before, &expected, self.settings.registration.gate_m * 2.0, false);
+        }
+        let near = self.neighbors(frame);
+        let ways = self.ways_from(frame, self.settings.trusted_way_m);
+        let known = near.into_iter().filter(|other| ways.get(*other).is_some_and(|way| way.is_finite()));
+        for other in known.take(self.settings.n_neighbors).collect::<Vec<_>>() {
+            let expected = self.pose(frame).inverse() * self.pose(other);
+            self.tie(frame, other, &expected, self.settings.registration.gate_m * 2.0, false);
+        }
+    }
+
+    /// Frames near this one that are not its predecessors or successors, nearest first.
+    pub fn neighbors(&self, frame: usize) -> Vec<usize> {
+        let (here, reach_m) = (self.pose(frame), self.settings.neighbor_reach_m);
+        let mut near: Vec<(u64, usize)> = (0..self.frames.len())
+            .filter(|other| other.abs_diff(frame) > self.settings.n_before)
+            .filter_map(|other| {
+                let off = here.inverse() * self.pose(other);
+                let off_m = off.translation.vector.norm() + TURN_AS_WAY_M * off.rotation.angle().abs();
+                (off_m < reach_m).then_some(((off_m * 1e6) as u64, other))
+            })
+            .collect();
+        near.sort_unstable();
+        near.into_iter().map(|(_, other)| other).collect()
+    }
+
+    /// Shortest ways through the graph from a frame, meters; infinite beyond `most_m`.
+    pub fn ways_from(&self, frame: usize, most_m: f64) -> Vec<f64> {
+        let mut ways = vec![f64::INFINITY; self.frames.len()];
+        let mut open = BinaryHeap::from([(Reverse(0u64), frame)]);
+        while let Some((Reverse(way), at)) = open.pop() {
+            let way_m = way as f64 * 1e-6;
+            match ways.get_mut(at) {
+                Some(known) if way_m < *known => *known = way_m,
+                _ => continue,
+            }
+            for (other, more_m) in self.ways.get(at).into_iter().flatten() {
+                let total_m = way_m + more_m;
+                if total_m <= most_m && ways.get(*other).is_some_and(|known| total_m < *known) {
+                    open.push((Reverse((total_m * 1e6) as u64), *other));
+                }
+            }
+        }
+        ways
+    }
+
+    /// Moves all key frames to where they agree best.
+    pub fn optimize(&mut self, most_iterations: usize) {
+        let settings = OptimizeSettings { most_iterations, least_decrease: 1e-4, ..OptimizeSettings::default() };
+        self.optimizer.optimize(&mut self.graph, &settings);
+    }
+
+    /// Registers all neighbors once more from where they are now, and optimizes.
+    pub fn refine(&mut self, n_rounds: usize) {
+        for _ in 0..n_rounds {
+            let is_odometry = |link: &Constraint| link.kernel == RobustKernel::Quadratic;
+            self.graph.retain(is_odometry);
+            self.tried.clear();
+            for frame in 0..self.frames.len() {
+                let before = (frame.saturating_sub(self.settings.n_before)..frame).rev();
+                let near = self.neighbors(frame).into_iter().take(self.settings.n_neighbors);
+                for other in before.chain(near).collect::<Vec<_>>() {
+                    let expected = self.pose(frame).inverse() * self.pose(other);
+                    self.tie(frame, other, &expected, self.settings.registration.gate_m, false);
+                }
+            }
+            self.optimize(10);
+        }
+    }
+
+    /// The surfaces of some frames, seen from one of them.
+    pub fn surfaces<'a>(
+        &'a self,
+        frames: impl Iterator<Item = usize> + 'a,
+        seen_from: usize,
+    ) -> impl Iterator<Item = SurfacePoint> + 'a {
+        let here_from_map = self.pose(seen_from).inverse();
+        frames.filter_map(|frame| Some((frame, self.frames.get(frame)?))).flat_map(move |(idx, frame)| {
+            let turn = Turn::new(&(here_from_map * self.pose(idx)));
+            frame.surface.iter().map(move |point| point.seen_from(&turn))
+        })
+    }
+}

@@ -1,0 +1,223 @@
+//! Where has the robot come back to? What was seen lately is laid on what was seen there before, wherever it may fit.
+
+use super::atlas::Atlas;
+use super::nearest::NearestTable;
+use super::registration::{Expected, register};
+use super::surface::SurfacePoint;
+use nalgebra::Matrix3;
+use rumbo_core::frames::{Point2, Pose2, pose2};
+use rumbo_kit::GridSize;
+use rumbo_kit::correlative::{Apart, CorrelativeSearch, FitTable, SearchWindow, turn_step_rad};
+
+/// How places are recognized.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LoopSettings {
+    /// Share of the way through the graph that the place may be off.
+    pub drift_share: f64,
+    /// At least so far is looked, meters.
+    pub least_reach_m: f64,
+    /// And at most so far.
+    pub most_reach_m: f64,
+    /// Turns to each side, radians.
+    pub reach_rad: f64,
+    /// Places that fit less are none, 0 to 1.
+    pub least_score: f64,
+    /// A place elsewhere must fit less than this share of the best one.
+    pub most_rival: f64,
+    /// Frames that what was seen lately consists of.
+    pub n_lately: usize,
+    /// Places that are looked at for one frame.
+    pub most_places: usize,
+}
+
+/// Edge of the cells that are laid on each other, meters.
+const RESOLUTION_M: f64 = 0.1;
+/// How near a point must lie to fit, meters.
+const SIGMA_M: f64 = 0.12;
+const N_LEVELS: usize = 8;
+const MOST_NODES: usize = 400_000;
+/// One point a cell is enough to recognize a place by, meters.
+const THINNED_TO_M: f32 = 0.15;
+/// Frames of a place lie at most this far from its middle, meters, and come at most so many before or after it.
+const PLACE_REACH_M: f64 = 4.0;
+const PLACE_FRAMES: usize = 15;
+/// Places that are this far apart are looked at separately, meters.
+const PLACES_APART_M: f64 = 4.0;
+/// An answer elsewhere is at least this far from the best one, meters and radians.
+const ELSEWHERE: [f64; 2] = [1.0, 0.4];
+
+/// Where a frame was taken, as seen from one of an earlier visit.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Recognized {
+    pub place: usize,
+    pub place_from_frame: Pose2,
+    pub score: f64,
+    /// Frames of the place.
+    pub frames: Vec<usize>,
+}
+
+/// Searches places, and keeps its memory.
+#[derive(Debug, Default)]
+pub(super) struct LoopSearch {
+    search: CorrelativeSearch,
+    table: NearestTable,
+}
+
+impl LoopSearch {
+    /// The place of an earlier visit that fits a frame best, among those that may be here although the graph knows only a
+    /// long way to them.
+    pub fn close(&mut self, atlas: &Atlas, frame: usize, settings: &LoopSettings) -> Option<Recognized> {
+        let ways_m = atlas.ways_from(frame, f64::INFINITY);
+        let here = atlas.pose(frame);
+        let reach_of = |way_m: f64| {
+            (settings.least_reach_m + settings.drift_share * way_m).min(settings.most_reach_m)
+        };
+        let mut candidates: Vec<(u64, usize)> = Vec::new();
+        for (other, way_m) in ways_m.iter().enumerate() {
+            let off_m = (here.translation.vector - atlas.pose(other).translation.vector).norm();
+            if *way_m > atlas.settings.trusted_way_m && off_m < reach_of(*way_m) + 1.0 {
+                candidates.push(((off_m * 1e6) as u64, other));
+            }
+        }
+        candidates.sort_unstable();
+        let lately = lately(atlas, frame, settings.n_lately);
+        let mut looked_at: Vec<Pose2> = Vec::new();
+        let mut best: Option<Recognized> = None;
+        for (_, place) in candidates {
+            let pose = atlas.pose(place);
+            let is_near = |other: &Pose2| (other.translation.vector - pose.translation.vector).norm() < PLACES_APART_M;
+            if looked_at.iter().any(is_near) {
+                continue;
+            }
+            if looked_at.len() >= settings.most_places {
+                break;
+            }
+            looked_at.push(pose);
+            let way_m = ways_m.get(place).copied().filter(|way| way.is_finite()).unwrap_or(1e3);
+            let window = SearchWindow {
+                grid_from_base: pose.inverse() * here,
+                reach_m: reach_of(way_m),
+                reach_rad: settings.reach_rad,
+                step_rad: 0.0,
+                least_score: best.as_ref().map_or(settings.least_score, |best| best.score),
+                most_nodes: MOST_NODES,
+            };
+            let found = self.look(atlas, place, &lately, &window, settings.most_rival);
+            best = found.or(best);
+        }
+        best
+    }
+
+    /// The place that fits best of all, wherever the robot may be.
+    pub fn anywhere(&mut self, atlas: &Atlas, lately: &[SurfacePoint], settings: &LoopSettings) -> Option<Recognized> {
+        let mut looked_at: Vec<Pose2> = Vec::new();
+        let mut best: Option<Recognized> = None;
+        for place in 0..atlas.frames.len() {
+            let pose = atlas.pose(place);
+            let is_near = |other: &Pose2| (other.translation.vector - pose.translation.vector).norm() < PLACES_APART_M;
+            if looked_at.iter().any(is_near) {
+                continue;
+            }
+            looked_at.push(pose);
+            let window = SearchWindow {
+                grid_from_base: Pose2::identity(),
+                reach_m: PLACES_APART_M,
+                reach_rad: std::f64::consts::PI,
+                step_rad: 0.0,
+                least_score: best.as_ref().map_or(settings.least_score, |best| best.score),
+                most_nodes: MOST_NODES,
+            };
+            best = self.look(atlas, place, lately, &window, settings.most_rival).or(best);
+        }
+        best
+    }
+
+    /// Lays points on the surroundings of a place; the window is that of the place's frame.
+    fn look(
+        &mut self,
+        atlas: &Atlas,
+        place: usize,
+        lately: &[SurfacePoint],
+        window: &SearchWindow,
+        most_rival: f64,
+    ) -> Option<Recognized> {
+        let frames = frames_of(atlas, place);
+        let sheet: Vec<SurfacePoint> = atlas.surfaces(frames.iter().copied(), place).collect();
+        let (table, grid_from_place) = table_of(&sheet)?;
+        let points: Vec<Point2> =
+            lately.iter().map(|point| Point2::new(point.at[0].into(), point.at[1].into())).collect();
+        let window = SearchWindow {
+            grid_from_base: grid_from_place * window.grid_from_base,
+            step_rad: turn_step_rad(&points, RESOLUTION_M).max(0.008),
+            ..*window
+        };
+        let best = self.search.best(&table, &points, &window, None).ok()??;
+        let apart =
+            Apart { grid_from_base: best.grid_from_base, distance_m: ELSEWHERE[0], turn_rad: ELSEWHERE[1] };
+        let rival = SearchWindow { least_score: most_rival * best.score, ..window };
+        // A search that gives up has seen too many that fit about as well.
+        if self.search.best(&table, &points, &rival, Some(&apart)).ok()?.is_some() {
+            return None;
+        }
+        self.table.fill(sheet.into_iter());
+        let expected = Expected {
+            reference_from_scan: grid_from_place.inverse() * best.grid_from_base,
+            information: Matrix3::zeros(),
+            first_gate_m: 0.4,
+        };
+        let found = register(&self.table, lately, &expected, &atlas.settings.registration)?;
+        let off = expected.reference_from_scan.inverse() * found.reference_from_scan;
+        let is_believed = found.overlap >= atlas.settings.least_overlap
+            && found.agreement >= atlas.settings.least_agreement
+            && off.translation.vector.norm() < 0.4
+            && off.rotation.angle().abs() < 0.1;
+        let place_from_frame = found.reference_from_scan;
+        is_believed.then_some(Recognized { place, place_from_frame, score: best.score, frames })
+    }
+}
+
+/// What the last frames saw, from the last of them, thinned.
+fn lately(atlas: &Atlas, frame: usize, n_frames: usize) -> Vec<SurfacePoint> {
+    thinned(atlas.surfaces((frame + 1).saturating_sub(n_frames)..frame + 1, frame))
+}
+
+/// One point a small square.
+pub(super) fn thinned(points: impl Iterator<Item = SurfacePoint>) -> Vec<SurfacePoint> {
+    let mut by_square: Vec<([i32; 2], SurfacePoint)> =
+        points.map(|point| (point.at.map(|v| (v / THINNED_TO_M).floor() as i32), point)).collect();
+    by_square.sort_by_key(|(square, _)| *square);
+    by_square.dedup_by_key(|(square, _)| *square);
+    by_square.into_iter().map(|(_, point)| point).collect()
+}
+
+/// Frames around a place, of the same visit.
+pub(super) fn frames_of(atlas: &Atlas, place: usize) -> Vec<usize> {
+    let here = atlas.pose(place).translation.vector;
+    let near = |frame: &usize| (atlas.pose(*frame).translation.vector - here).norm() < PLACE_REACH_M;
+    let end = (place + PLACE_FRAMES + 1).min(atlas.frames.len());
+    (place.saturating_sub(PLACE_FRAMES)..end).filter(near).collect()
+}
+
+/// A table around the points, and where its grid lies.
+fn table_of(points: &[SurfacePoint]) -> Option<(FitTable, Pose2)> {
+    let mut bounds: Option<([f64; 2], [f64; 2])> = None;
+    for point in points {
+        let at = point.at.map(f64::from);
+        let (low, high) = bounds.get_or_insert((at, at));
+        for axis in 0..2 {
+            low[axis] = low[axis].min(at[axis]);
+            high[axis] = high[axis].max(at[axis]);
+        }
+    }
+    let (low, high) = bounds?;
+    let corner = low.map(|v| v - 0.5);
+    let cells = |axis: usize| ((high[axis] + 0.5 - corner[axis]) / RESOLUTION_M) as usize + 1;
+    let size = GridSize::new(cells(0), cells(1));
+    let mut marks = vec![0; size.n_cells()];
+    for point in points {
+        let at = [0, 1].map(|axis| ((f64::from(point.at[axis]) - corner[axis]) / RESOLUTION_M) as usize);
+        marks.iter_mut().skip(size.index(at[0], at[1])).take(1).for_each(|mark| *mark = 1);
+    }
+    let table = FitTable::around_marks(size, RESOLUTION_M, &marks, SIGMA_M, N_LEVELS);
+    Some((table, pose2(-corner[0], -corner[1], 0.0)))
+}

@@ -1,0 +1,24 @@
+//! `graph_slam`: key frames in a pose graph, tied together wherever their scans overlap.
+//!
+//! Each scan is registered against the key frames around the robot; each new key frame against several of its neighbors,
+//! of now and of earlier visits. Where the robot comes back to after a long way is found by correlative matching. What is
+//! known between the key frames is a pose graph, as in Lu and Milios, "Globally consistent range scan alignment for
+//! environment mapping" (1997), solved sparsely; the map is drawn from the poses that agree best with everything.
+
+mod atlas;
+mod front_end;
+mod loops;
+mod nearest;
+mod params;
+mod plugin;
+mod registration;
+mod saved;
+mod sheet;
+mod surface;
+mod tracker;
+
+#[cfg(test)]
+mod tests;
+
+pub use params::GraphSlamParams;
+pub use plugin::GraphSlam;

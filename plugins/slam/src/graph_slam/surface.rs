@@ -1,0 +1,175 @@
+//! A scan as pieces of surface: points with the direction that the surface faces.
+
+use rumbo_core::frames::{Pose2, Pose3};
+use rumbo_core::messages::LaserScan;
+
+/// A point of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct SurfacePoint {
+    /// Place, meters.
+    pub at: [f32; 2],
+    /// Where the surface faces, toward the sensor that saw it; zero where the points around it are no surface.
+    pub normal: [f32; 2],
+}
+
+impl SurfacePoint {
+    /// The points around it lie on a line.
+    pub fn is_flat(&self) -> bool {
+        self.normal != [0.0; 2]
+    }
+
+    /// The same point from another frame.
+    pub fn seen_from(&self, frame: &Turn) -> SurfacePoint {
+        SurfacePoint { at: frame.place(self.at), normal: frame.direction(self.normal) }
+    }
+}
+
+/// A pose ready to be applied to many points.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turn {
+    cos: f32,
+    sin: f32,
+    shift: [f32; 2],
+}
+
+impl Turn {
+    pub fn new(pose: &Pose2) -> Turn {
+        let shift = [pose.translation.x as f32, pose.translation.y as f32];
+        Turn { cos: pose.rotation.re as f32, sin: pose.rotation.im as f32, shift }
+    }
+
+    pub fn place(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        let [x, y] = self.direction([x, y]);
+        [x + self.shift[0], y + self.shift[1]]
+    }
+
+    pub fn direction(&self, [x, y]: [f32; 2]) -> [f32; 2] {
+        [self.cos * x - self.sin * y, self.sin * x + self.cos * y]
+    }
+}
+
+/// Which readings become points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct SurfaceLimits {
+    /// Nearer readings are left out, meters.
+    pub min_range_m: f64,
+    /// Farther ones too.
+    pub max_range_m: f64,
+    /// A surface reaches this far around a point, meters.
+    pub window_m: f64,
+    /// Points that lie farther from their line (root mean square) are no surface, meters.
+    pub most_rough_m: f64,
+}
+
+/// Beams to each side that tell the direction of a surface at most.
+const MOST_NEIGHBORS: usize = 8;
+/// Neighbors farther apart than so many times what their beams would be on a wall seen straight on are parts of
+/// different things.
+const STEEPEST: f32 = 6.0;
+
+/// The points of a scan in the base frame; roll and pitch of the sensor count.
+pub(super) fn surface_of(
+    scan: &LaserScan,
+    base_from_sensor: &Pose3,
+    limits: &SurfaceLimits,
+) -> Vec<SurfacePoint> {
+    let axes = base_from_sensor.rotation.to_rotation_matrix();
+    let origin = base_from_sensor.translation;
+    let sensor = [origin.x as f32, origin.y as f32];
+    let placed: Vec<Option<([f32; 2], f32)>> = (0..)
+        .zip(scan.ranges_m.iter())
+        .map(|(idx, &reading_m)| {
+            let range_m = f64::from(reading_m);
+            let is_hit = reading_m >= scan.min_range_m && reading_m <= scan.max_range_m;
+            if !is_hit || range_m < limits.min_range_m || range_m > limits.max_range_m {
+                return None;
+            }
+            let (sin, cos) = scan.bearing_rad(idx).sin_cos();
+            let (ahead, left) = (range_m * cos, range_m * sin);
+            let x = origin.x + axes[(0, 0)] * ahead + axes[(0, 1)] * left;
+            let y = origin.y + axes[(1, 0)] * ahead + axes[(1, 1)] * left;
+            Some(([x as f32, y as f32], reading_m))
+        })
+        .collect();
+    let step = scan.bearing_step_rad.abs() as f32;
+    let point = |(idx, placed_here): (usize, &Option<([f32; 2], f32)>)| {
+        let (at, range_m) = (*placed_here)?;
+        let normal = normal_at(&placed, idx, at, range_m, step, limits);
+        Some(SurfacePoint { at, normal: facing(normal, at, sensor) })
+    };
+    placed.iter().enumerate().filter_map(point).collect()
+}
+
+fn facing(normal: [f32; 2], at: [f32; 2], sensor: [f32; 2]) -> [f32; 2] {
+    let toward = (sensor[0] - at[0]) * normal[0] + (sensor[1] - at[1]) * normal[1];
+    if toward < 0.0 { normal.map(|v| -v) } else { normal }
+}
+
+/// Direction across the line through the neighbors; zero where they are too few, or no line.
+fn normal_at(
+    placed: &[Option<([f32; 2], f32)>],
+    idx: usize,
+    at: [f32; 2],
+    range_m: f32,
+    step_rad: f32,
+    limits: &SurfaceLimits,
+) -> [f32; 2] {
+    let mut sums = Sums::default();
+    sums.add([0.0; 2]);
+    let reach_m = (limits.window_m as f32).max(2.5 * step_rad * range_m);
+    let before = placed.get(..idx).unwrap_or_default().iter().rev().take(MOST_NEIGHBORS);
+    let after = placed.get(idx + 1..).unwrap_or_default().iter().take(MOST_NEIGHBORS);
+    let mut walk = |neighbors: &mut dyn Iterator<Item = &Option<([f32; 2], f32)>>| {
+        let mut last = (at, range_m);
+        for neighbor in neighbors {
+            let Some((place, range_m)) = *neighbor else { return };
+            let gap_m = (place[0] - last.0[0]).hypot(place[1] - last.0[1]);
+            let off = [place[0] - at[0], place[1] - at[1]];
+            let is_far = off[0].hypot(off[1]) > reach_m;
+            if is_far || gap_m > (STEEPEST * step_rad * range_m.min(last.1)).max(0.05) {
+                return;
+            }
+            sums.add(off);
+            last = (place, range_m);
+        }
+    };
+    walk(&mut before.into_iter());
+    walk(&mut after.into_iter());
+    sums.normal(limits.most_rough_m as f32)
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    n: f32,
+    x: f32,
+    y: f32,
+    xx: f32,
+    xy: f32,
+    yy: f32,
+}
+
+impl Sums {
+    fn add(&mut self, [x, y]: [f32; 2]) {
+        self.n += 1.0;
+        self.x += x;
+        self.y += y;
+        self.xx += x * x;
+        self.xy += x * y;
+        self.yy += y * y;
+    }
+
+    fn normal(&self, most_rough_m: f32) -> [f32; 2] {
+        if self.n < 3.0 {
+            return [0.0; 2];
+        }
+        let (x, y) = (self.x / self.n, self.y / self.n);
+        let (xx, xy, yy) = (self.xx / self.n - x * x, self.xy / self.n - x * y, self.yy / self.n - y * y);
+        let half_gap = (0.25 * (xx - yy).powi(2) + xy * xy).sqrt();
+        let least = (0.5 * (xx + yy) - half_gap).max(0.0);
+        if least.sqrt() > most_rough_m || half_gap <= 4.0 * least {
+            return [0.0; 2];
+        }
+        let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
+        [-angle.sin(), angle.cos()]
+    }
+}

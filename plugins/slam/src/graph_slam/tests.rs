@@ -1,0 +1,5 @@
+//! Against geometry that is known exactly: walls, rays and poses of a small building.
+
+mod building;
+mod drives;
+mod pieces;

@@ -1,0 +1,157 @@
+//! The plugin on drives through the building.
+
+use super::building::{log, rounds};
+use crate::graph_slam::GraphSlamParams;
+use nalgebra::Matrix3;
+use rumbo_core::frames::{Pose2, flatten, pose2};
+use rumbo_core::map::{CellClass, Map};
+use rumbo_core::messages::{Data, Estimate, LaserScan, Observation, Prior, Seen, Status};
+use rumbo_core::registry::{Params, Plugin};
+use rumbo_core::stages::{BuildContext, Cx, Slam, SlamError};
+use rumbo_core::time::Time;
+use rumbo_core::trace::Trace;
+
+fn built(params: &GraphSlamParams) -> Box<dyn Slam> {
+    assert_eq!(params.check(), []);
+    params.build(&BuildContext::bare("slam")).unwrap()
+}
+
+fn at(map_from_base: Pose2) -> Prior {
+    Prior::Pose { map_from_base, odom_from_base: Pose2::identity(), covariance: Matrix3::identity() * 1e-6 }
+}
+
+fn step(slam: &mut dyn Slam, map: &mut Map, seen: &[Observation]) -> Estimate {
+    let now = seen.last().map_or(Time::ZERO, |observation| observation.stamp);
+    slam.update(&mut Cx { now, trace: &Trace::unwatched() }, Seen::sorted(seen), map).unwrap()
+}
+
+fn off_m(a: &Pose2, b: &Pose2) -> f64 {
+    (a.translation.vector - b.translation.vector).norm()
+}
+
+/// Drives through the log: the last estimate.
+fn drive(slam: &mut dyn Slam, map: &mut Map, log: &[Vec<Observation>]) -> Estimate {
+    log.iter().map(|seen| step(slam, map, seen)).last().unwrap()
+}
+
+#[test]
+fn two_rounds_with_a_bad_odometer_end_on_the_truth_and_so_do_all_scans_and_walls() {
+    let (poses, params) = (rounds(2), GraphSlamParams::default());
+    let (mut slam, mut map) = (built(&params), Map::default());
+    slam.start(&at(poses[0]), &mut map).unwrap();
+    let log = log(&poses, true);
+    let end = drive(&mut *slam, &mut map, &log);
+    let Data::Odometry(last) = &log.last().unwrap()[0].data else { panic!() };
+    assert!(off_m(&(poses[0] * last.odom_from_base), poses.last().unwrap()) > 1.0, "the odometer is bad");
+    assert_eq!(end.status, Status::Tracking);
+    assert!(off_m(&end.pose2(), poses.last().unwrap()) < 0.05, "{}", off_m(&end.pose2(), poses.last().unwrap()));
+    let trajectory = slam.trajectory().unwrap();
+    assert_eq!(trajectory.len(), poses.len());
+    let errors: Vec<f64> =
+        trajectory.iter().zip(&poses).map(|(found, truth)| off_m(&flatten(&found.map_from_base), truth)).collect();
+    let (most, mean) = (errors.iter().copied().fold(0.0, f64::max), errors.iter().sum::<f64>() / errors.len() as f64);
+    assert!(most < 0.06 && mean < 0.025, "{most} m, mean {mean} m");
+    let grid = map.grid.unwrap();
+    let class = |x: f64, y: f64| grid.class(grid.cell_at(rumbo_core::frames::Point2::new(x, y)).unwrap());
+    assert_eq!(class(10.0, 1.5), CellClass::Free);
+    assert_eq!(class(10.0, 7.0), CellClass::Unknown);
+    let walls_at = |x: f64, y: f64| [-0.05, 0.0, 0.05].iter().any(|d| class(x, y + d) == CellClass::Occupied);
+    for x in [4.0, 8.0, 11.0, 15.0] {
+        assert!(walls_at(x, 3.0) && walls_at(x, 14.0), "{x}");
+    }
+}
+
+#[test]
+fn without_an_odometer_it_goes_on() {
+    let poses = rounds(1);
+    let (mut slam, mut map) = (built(&GraphSlamParams::default()), Map::default());
+    slam.start(&at(poses[0]), &mut map).unwrap();
+    let end = drive(&mut *slam, &mut map, &log(&poses, false));
+    assert!(off_m(&end.pose2(), poses.last().unwrap()) < 0.15, "{}", off_m(&end.pose2(), poses.last().unwrap()));
+    assert!(off_m(&flatten(&end.map_from_odom), &Pose2::identity()) < 1e-9);
+}
+
+#[test]
+fn a_saved_state_goes_on_as_if_nothing_had_happened() {
+    let (poses, params) = (rounds(1), GraphSlamParams::default());
+    let log = log(&poses, true);
+    let (mut slam, mut map) = (built(&params), Map::default());
+    slam.start(&at(poses[0]), &mut map).unwrap();
+    drive(&mut *slam, &mut map, &log[..300]);
+    let bytes = slam.save().unwrap();
+    let (mut again, mut other_map) = (built(&params), Map::default());
+    again.start(&Prior::Saved(bytes.clone().into()), &mut other_map).unwrap();
+    assert_eq!(again.save().unwrap(), bytes);
+    for seen in &log[300..360] {
+        let (a, b) = (step(&mut *slam, &mut map, seen), step(&mut *again, &mut other_map, seen));
+        assert!(off_m(&a.pose2(), &b.pose2()) < 1e-9 && a.status == b.status);
+    }
+    assert_eq!(slam.trajectory().unwrap().len(), again.trajectory().unwrap().len());
+    for n in [0, 5, 40, bytes.len() - 1] {
+        let cut = built(&params).start(&Prior::Saved(bytes[..n].to_vec().into()), &mut Map::default());
+        assert!(matches!(cut, Err(SlamError::Other(_))), "{n} bytes");
+    }
+}
+
+#[test]
+fn a_robot_that_was_carried_away_finds_itself() {
+    let poses = rounds(1);
+    let log = log(&poses, true);
+    let (mut slam, mut map) = (built(&GraphSlamParams::default()), Map::default());
+    slam.start(&at(poses[0]), &mut map).unwrap();
+    drive(&mut *slam, &mut map, &log);
+    slam.relocate(&Prior::Unknown, &mut map).unwrap();
+    // On from the middle of the first corridor, with other stamps.
+    let mut estimates = Vec::new();
+    for (k, seen) in log[60..100].iter().enumerate() {
+        let mut seen = seen.clone();
+        seen.iter_mut().for_each(|observation| observation.stamp = Time::from_secs(1000.0 + 0.1 * k as f64));
+        estimates.push(step(&mut *slam, &mut map, &seen));
+    }
+    let last = estimates.last().unwrap();
+    assert_eq!(last.status, Status::Tracking);
+    assert!(off_m(&last.pose2(), &poses[99]) < 0.1, "{}", off_m(&last.pose2(), &poses[99]));
+    slam.relocate(&at(poses[200] * pose2(0.1, -0.1, 0.05)), &mut map).unwrap();
+    let told = drive(&mut *slam, &mut map, &log[200..230]);
+    assert!(off_m(&told.pose2(), &poses[229]) < 0.1, "stamps may begin anew: {}", off_m(&told.pose2(), &poses[229]));
+}
+
+#[test]
+fn scans_that_say_nothing_are_gaps_that_the_odometer_bridges() {
+    let poses = rounds(1);
+    let mut log = log(&poses, true);
+    for seen in &mut log[100..112] {
+        let Data::LaserScan(scan) = &mut seen[1].data else { panic!() };
+        *scan = LaserScan { ranges_m: vec![f32::NAN; 270].into(), ..scan.clone() };
+    }
+    log[120].clear();
+    log[121].iter_mut().for_each(|observation| observation.valid = false);
+    if let Data::LaserScan(scan) = &mut log[122][1].data {
+        scan.bearing_step_rad = f64::NAN;
+    }
+    let (mut slam, mut map) = (built(&GraphSlamParams::default()), Map::default());
+    slam.start(&at(poses[0]), &mut map).unwrap();
+    for (k, seen) in log[..160].iter().enumerate() {
+        let estimate = step(&mut *slam, &mut map, seen);
+        let off = off_m(&estimate.pose2(), &poses[k]);
+        assert!(off < 0.15, "{k}: {off}");
+        let is_blind = (100..112).contains(&k);
+        assert_eq!(estimate.status == Status::Converging, is_blind, "{k}");
+    }
+}
+
+#[test]
+fn impossible_parameters_are_all_named() {
+    let params = GraphSlamParams {
+        resolution_m: 0.0,
+        gate_m: f64::NAN,
+        least_overlap: 1.5,
+        optimize_every: 0,
+        update_factor_free: 0.7,
+        min_range_m: 50.0,
+        ..GraphSlamParams::default()
+    };
+    let keys: Vec<String> = params.check().into_iter().map(|fault| fault.path).collect();
+    let expected = ["resolution_m", "gate_m", "least_overlap", "optimize_every", "max_range_m", "update_factor_free"];
+    assert_eq!(keys, expected);
+}

@@ -1,0 +1,108 @@
+//! Surfaces, the table of nearest points, registration.
+
+use super::building::{scan, scattered, walls};
+use crate::graph_slam::nearest::NearestTable;
+use crate::graph_slam::registration::{Expected, RegistrationSettings, register};
+use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint, surface_of};
+use nalgebra::Matrix3;
+use rumbo_core::frames::{Pose2, Pose3, pose2};
+use rumbo_core::messages::LaserScan;
+
+const LIMITS: SurfaceLimits =
+    SurfaceLimits { min_range_m: 0.1, max_range_m: 40.0, window_m: 0.25, most_rough_m: 0.03 };
+const SETTINGS: RegistrationSettings =
+    RegistrationSettings { across_m: 0.02, along_m: 1.0, loose_m: 0.1, gate_m: 0.2, kernel_c: 3.0 };
+
+fn surface(scan: &LaserScan) -> Vec<SurfacePoint> {
+    surface_of(scan, &Pose3::identity(), &LIMITS)
+}
+
+fn table(scan: &LaserScan) -> NearestTable {
+    let mut table = NearestTable::default();
+    table.fill(surface(scan).into_iter());
+    table
+}
+
+fn expected(reference_from_scan: Pose2) -> Expected {
+    Expected { reference_from_scan, information: Matrix3::zeros(), first_gate_m: 0.5 }
+}
+
+#[test]
+fn surfaces_face_the_sensor_at_right_angles_to_their_walls() {
+    let pose = pose2(1.5, 1.5, 0.3);
+    let points = surface(&scan(&walls(), &pose, 1));
+    assert!(points.len() > 250);
+    let n_flat = points.iter().filter(|point| point.is_flat()).count();
+    assert!(n_flat > 180, "{n_flat}");
+    let mut n_off = 0;
+    for point in points.iter().filter(|point| point.is_flat()) {
+        let toward = point.normal[0] * point.at[0] + point.normal[1] * point.at[1];
+        assert!(toward <= 0.0, "{point:?} faces away");
+        // All walls are at right angles in the map.
+        let angle = f64::from(point.normal[1]).atan2(f64::from(point.normal[0])) + 0.3;
+        let off = (angle / std::f64::consts::FRAC_PI_2).rem_euclid(1.0);
+        n_off += usize::from(off.min(1.0 - off) > 0.15);
+    }
+    assert!(n_off * 20 < n_flat, "{n_off} of {n_flat}");
+}
+
+#[test]
+fn readings_that_are_none_make_no_points() {
+    let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.0, 0.05, 99.0];
+    let scan = LaserScan { bearing_step_rad: 0.1, max_range_m: 50.0, ranges_m: odd.to_vec().into(), ..LaserScan::default() };
+    assert!(surface(&scan).is_empty());
+    assert!(surface(&LaserScan::default()).is_empty());
+    assert!(table(&LaserScan::default()).at([0.0, 0.0]).is_none());
+}
+
+#[test]
+fn the_nearest_point_is_that_of_brute_force_to_within_a_square() {
+    let table = table(&scan(&walls(), &pose2(6.0, 1.5, 2.0), 5));
+    let distance = |at: [f32; 2], point: &SurfacePoint| (point.at[0] - at[0]).hypot(point.at[1] - at[1]);
+    for k in 0..4000 {
+        let at = [18.0 * scattered(k) as f32, 14.0 * scattered(3 * k + 1) as f32];
+        let best = table.points().iter().map(|point| distance(at, point)).fold(f32::INFINITY, f32::min);
+        match table.at(at) {
+            Some(found) => assert!(distance(at, found) <= best + 0.142, "{at:?}"),
+            None => assert!(best > 0.42, "{at:?}: {best}"),
+        }
+    }
+}
+
+#[test]
+fn a_scan_is_put_back_where_it_was_taken() {
+    let walls = walls();
+    for k in 0..40 {
+        let first = pose2(1.5 + 0.4 * k as f64, 1.5 + 0.5 * scattered(k), scattered(5 * k));
+        let moved = pose2(0.3 * scattered(k + 3), 0.3 * scattered(k + 9), 0.3 * scattered(k + 14));
+        let (reference, other) = (scan(&walls, &first, k), scan(&walls, &(first * moved), k + 100));
+        let found = register(&table(&reference), &surface(&other), &expected(Pose2::identity()), &SETTINGS).unwrap();
+        let off = moved.inverse() * found.reference_from_scan;
+        let (off_m, off_rad) = (off.translation.vector.norm(), off.rotation.angle().abs());
+        assert!(off_m < 0.015 && off_rad < 0.005, "{k}: {off_m} m, {off_rad} rad");
+        assert!(found.overlap > 0.8 && found.agreement > 0.7, "{k}: {found:?}");
+    }
+}
+
+#[test]
+fn a_corridor_says_nothing_of_the_way_along_it() {
+    let corridor = [[-500.0, -1.0, 500.0, -1.0], [-500.0, 1.0, 500.0, 1.0]];
+    let reference = scan(&corridor, &pose2(0.0, 0.0, 0.0), 1);
+    let other = surface(&scan(&corridor, &pose2(0.3, 0.1, 0.05), 2));
+    let known = Matrix3::from_diagonal(&nalgebra::Vector3::new(1e5, 1e-3, 1e-3));
+    let guess = Expected { information: known, ..expected(pose2(0.3, 0.0, 0.0)) };
+    let found = register(&table(&reference), &other, &guess, &SETTINGS).unwrap();
+    let pose = found.reference_from_scan;
+    assert!((pose.translation.x - 0.3).abs() < 0.01, "as expected: {}", pose.translation.x);
+    assert!((pose.translation.y - 0.1).abs() < 0.01 && (pose.rotation.angle() - 0.05).abs() < 0.01);
+    assert!(found.information[(0, 0)] < 0.02 * found.information[(1, 1)], "{}", found.information);
+}
+
+#[test]
+fn nothing_to_register_on_is_no_place() {
+    let points = surface(&scan(&walls(), &pose2(1.5, 1.5, 0.0), 1));
+    let nowhere = register(&NearestTable::default(), &points, &expected(Pose2::identity()), &SETTINGS);
+    assert_eq!(nowhere, None);
+    let far_off = register(&table(&scan(&walls(), &pose2(1.5, 1.5, 0.0), 2)), &points, &expected(pose2(500.0, 0.0, 0.0)), &SETTINGS);
+    assert_eq!(far_off, None);
+}

@@ -1,0 +1,368 @@
+//! One scan after the other: the robot's place, key frames, loops.
+
+use super::atlas::{Atlas, KeyFrame, TieSettings};
+use super::front_end::{FrontEnd, Prediction};
+use super::loops::{LoopSearch, LoopSettings, frames_of, thinned};
+use super::surface::{SurfaceLimits, SurfacePoint, surface_of};
+use nalgebra::Matrix3;
+use rumbo_core::frames::{Pose2, Pose3, interpolate2, lift};
+use rumbo_core::messages::{LaserScan, StampedPose};
+use rumbo_core::time::Time;
+use rumbo_kit::odometry_history::OdometryHistory;
+
+/// How the robot is followed and its map kept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TrackerSettings {
+    pub limits: SurfaceLimits,
+    pub tie: TieSettings,
+    pub loops: LoopSettings,
+    /// A scan becomes a key frame when the robot has gone so far since the last one, meters, or turned so far, radians.
+    pub key_frame_every: [f64; 2],
+    /// Key frames that a scan is registered on.
+    pub n_recent: usize,
+    /// Scans with fewer points say nothing.
+    pub min_points: usize,
+    /// Key frames from one optimization to the next, at least; and the share of all key frames.
+    pub optimize_every: usize,
+    pub optimize_share: f64,
+    /// Key frames from one look for loops to the next.
+    pub look_for_loops_every: usize,
+    /// Scans that fit nowhere before the robot is lost.
+    pub lost_after_scans: u32,
+    /// Rounds of registering all neighbors again, for the trajectory.
+    pub refine_rounds: usize,
+}
+
+/// How a scan came to its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fit {
+    /// It fits.
+    Placed,
+    /// Dead reckoning.
+    Guessed,
+    /// Nobody knows.
+    Lost,
+}
+
+/// A scan as seen from a key frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Track {
+    pub stamp: Time,
+    pub frame: usize,
+    pub frame_from_base: Pose2,
+}
+
+/// What was before the scan that comes now.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Before {
+    pub stamp: Time,
+    pub odom_from_base: Option<Pose2>,
+    /// Motion from the scan before that, for robots without an odometer.
+    pub motion: Pose2,
+    pub seconds: f64,
+}
+
+/// Scans that are left out, and why.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct LeftOut {
+    pub late: u32,
+    pub too_few_points: u32,
+    pub unplaced: u32,
+}
+
+/// The robot among its key frames.
+#[derive(Debug)]
+pub(super) struct Tracker {
+    pub settings: TrackerSettings,
+    pub atlas: Atlas,
+    pub front: FrontEnd,
+    search: LoopSearch,
+    pub odometry: OdometryHistory,
+    pub before: Option<Before>,
+    pub frame_from_base: Pose2,
+    /// The odometer at the newest key frame.
+    pub odom_from_frame: Option<Pose2>,
+    pub covariance: Matrix3<f64>,
+    pub first_pose: Pose2,
+    pub fit: Fit,
+    pub n_missed: u32,
+    pub since_optimized: usize,
+    pub tracks: Vec<Track>,
+    pub left_out: LeftOut,
+    pub n_loops: usize,
+    /// Goes up whenever key frames have moved.
+    pub n_moves: u64,
+}
+
+/// Errors of a guess without an odometer, shares of the gap between two scans.
+const GUESS_M_S: f64 = 1.0;
+const GUESS_RAD_S: f64 = 1.0;
+/// Lost robots look for themselves every so many scans.
+const LOOK_EVERY: u32 = 10;
+/// After a loop so many frames are tied to neighbors that they could not trust before.
+const CATCH_UP: usize = 80;
+
+impl Tracker {
+    pub fn new(settings: TrackerSettings, first_pose: Pose2) -> Tracker {
+        Tracker {
+            settings,
+            atlas: Atlas::new(settings.tie),
+            front: FrontEnd::default(),
+            search: LoopSearch::default(),
+            odometry: OdometryHistory::default(),
+            before: None,
+            frame_from_base: first_pose,
+            odom_from_frame: None,
+            covariance: Matrix3::identity() * 1e-6,
+            first_pose,
+            fit: Fit::Guessed,
+            n_missed: 0,
+            since_optimized: 0,
+            tracks: Vec::new(),
+            left_out: LeftOut::default(),
+            n_loops: 0,
+            n_moves: 0,
+        }
+    }
+
+    /// The robot at the last scan.
+    pub fn map_from_base(&self) -> Pose2 {
+        self.map_from_frame() * self.frame_from_base
+    }
+
+    fn map_from_frame(&self) -> Pose2 {
+        self.atlas.graph.pose(self.front.frame).unwrap_or_else(Pose2::identity)
+    }
+
+    /// Takes in a scan.
+    pub fn take(&mut self, stamp: Time, scan: &LaserScan, base_from_sensor: &Pose3) {
+        if self.before.is_some_and(|before| stamp <= before.stamp) {
+            self.left_out.late += 1;
+            return;
+        }
+        let surface = surface_of(scan, base_from_sensor, &self.settings.limits);
+        let prediction = self.predict(stamp);
+        let last = self.frame_from_base;
+        self.frame_from_base = prediction.frame_from_base;
+        self.place(&surface, &prediction);
+        self.remember(stamp, &last);
+        let has_points = surface.len() >= self.settings.min_points;
+        if self.fit != Fit::Lost && has_points && self.is_key_frame() {
+            let frame = KeyFrame { scan: scan.clone(), base_from_sensor: *base_from_sensor, surface };
+            self.add_key_frame(frame);
+        }
+        if self.fit != Fit::Lost {
+            self.tracks.push(Track {
+                stamp,
+                frame: self.front.frame,
+                frame_from_base: self.frame_from_base,
+            });
+        }
+    }
+
+    fn predict(&self, stamp: Time) -> Prediction {
+        let Some(before) = self.before else {
+            let deviation = self.covariance.diagonal().map(f64::sqrt);
+            let off_m = deviation.x.max(deviation.y).max(1e-3);
+            let first_gate_m = (2.0 * off_m).clamp(0.3, 0.5);
+            let deviation = [off_m, deviation.z.max(1e-3)];
+            return Prediction { frame_from_base: self.frame_from_base, deviation, first_gate_m };
+        };
+        let seconds = (stamp - before.stamp).as_secs();
+        let odom_from_base = self.odom_at(stamp);
+        let [least_m, share_m, least_rad, share_rad] = self.settings.tie.odometer;
+        let (motion, deviation) = match (before.odom_from_base, odom_from_base) {
+            (Some(last), Some(now)) => {
+                let motion = last.inverse() * now;
+                let off_m = least_m + share_m * motion.translation.vector.norm();
+                (motion, [off_m, least_rad + share_rad * motion.rotation.angle().abs()])
+            }
+            _ => {
+                let share = if before.seconds > 0.0 { (seconds / before.seconds).min(3.0) } else { 0.0 };
+                let motion = interpolate2(&Pose2::identity(), &before.motion, share);
+                (motion, [least_m + GUESS_M_S * seconds, least_rad + GUESS_RAD_S * seconds])
+            }
+        };
+        let first_gate_m = (2.0 * deviation[0] + 10.0 * deviation[1]).clamp(0.3, 0.5);
+        Prediction { frame_from_base: self.frame_from_base * motion, deviation, first_gate_m }
+    }
+
+    /// The odometer at a time, as well as it is known yet.
+    pub fn odom_at(&self, stamp: Time) -> Option<Pose2> {
+        self.odometry.at(stamp).or_else(|| self.odometry.newest().map(|(_, pose)| pose))
+    }
+
+    fn place(&mut self, surface: &[SurfacePoint], prediction: &Prediction) {
+        if self.atlas.frames.is_empty() {
+            self.fit = if surface.len() < self.settings.min_points { Fit::Guessed } else { Fit::Placed };
+            return;
+        }
+        if surface.len() < self.settings.min_points {
+            self.left_out.too_few_points += 1;
+            self.guess(prediction);
+            return;
+        }
+        if let Some(found) = self.front.place(&self.atlas, surface, prediction) {
+            self.frame_from_base = found.reference_from_scan;
+            let information = found.information * self.settings.tie.believed_share;
+            let [off_m, off_rad] = prediction.deviation;
+            let known = nalgebra::Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
+            let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
+            self.covariance = inverse.unwrap_or(self.covariance);
+            self.fit = Fit::Placed;
+            self.n_missed = 0;
+            return;
+        }
+        self.left_out.unplaced += 1;
+        self.guess(prediction);
+        self.n_missed += 1;
+        if self.n_missed >= self.settings.lost_after_scans {
+            self.fit = Fit::Lost;
+            if self.n_missed % LOOK_EVERY == 0 {
+                self.look_anywhere(surface);
+            }
+        }
+    }
+
+    fn guess(&mut self, prediction: &Prediction) {
+        let [off_m, off_rad] = prediction.deviation;
+        let more = nalgebra::Vector3::new(off_m.powi(2), off_m.powi(2), off_rad.powi(2));
+        self.covariance += Matrix3::from_diagonal(&more);
+        if self.fit == Fit::Placed {
+            self.fit = Fit::Guessed;
+        }
+    }
+
+    /// A lost robot looks for its place in the whole map.
+    pub fn look_anywhere(&mut self, surface: &[SurfacePoint]) -> bool {
+        let points = thinned(surface.iter().copied());
+        let Some(found) = self.search.anywhere(&self.atlas, &points, &self.settings.loops) else { return false };
+        self.stand(found.place, found.place_from_frame, &found.frames);
+        (self.fit, self.n_missed) = (Fit::Placed, 0);
+        true
+    }
+
+    /// The robot is here, as seen from a key frame; how it came here says nothing.
+    pub fn stand(&mut self, frame: usize, frame_from_base: Pose2, frames: &[usize]) {
+        self.front.look_from(&self.atlas, frame, frames);
+        self.frame_from_base = frame_from_base;
+        self.odom_from_frame = None;
+    }
+
+    fn remember(&mut self, stamp: Time, last: &Pose2) {
+        let odom_from_base = self.odom_at(stamp);
+        let seconds = self.before.map_or(0.0, |before| (stamp - before.stamp).as_secs());
+        let motion = if self.before.is_some() { last.inverse() * self.frame_from_base } else { Pose2::identity() };
+        self.before = Some(Before { stamp, odom_from_base, motion, seconds });
+    }
+
+    fn is_key_frame(&self) -> bool {
+        let [way_m, turn_rad] = self.settings.key_frame_every;
+        self.atlas.frames.is_empty()
+            || self.frame_from_base.translation.vector.norm() >= way_m
+            || self.frame_from_base.rotation.angle().abs() >= turn_rad
+    }
+
+    fn add_key_frame(&mut self, frame: KeyFrame) {
+        let odom_from_base = self.before.and_then(|before| before.odom_from_base);
+        let is_first = self.atlas.frames.is_empty();
+        let by_odometer = self.odom_from_frame.zip(odom_from_base).map(|(from, to)| from.inverse() * to);
+        let before = (!is_first).then(|| (self.front.frame, by_odometer.unwrap_or(self.frame_from_base)));
+        let map_from_base = if is_first { self.first_pose } else { self.map_from_base() };
+        let Some(added) = self.atlas.add(frame, &map_from_base, before) else { return };
+        self.frame_from_base = Pose2::identity();
+        self.odom_from_frame = odom_from_base;
+        self.atlas.tie_neighbors(added);
+        self.since_optimized += 1;
+        let has_loop = added % self.settings.look_for_loops_every == 0 && self.close_loop(added);
+        let due = self.settings.optimize_every.max((self.settings.optimize_share * added as f64) as usize);
+        if has_loop || self.since_optimized >= due {
+            self.optimize();
+        }
+        if has_loop {
+            for frame in (added + 1).saturating_sub(CATCH_UP)..=added {
+                self.atlas.tie_neighbors(frame);
+            }
+            self.optimize();
+        }
+        let recent: Vec<usize> = ((added + 1).saturating_sub(self.settings.n_recent)..added + 1).collect();
+        self.front.look_from(&self.atlas, added, &recent);
+    }
+
+    fn optimize(&mut self) {
+        self.atlas.optimize(8);
+        self.since_optimized = 0;
+        self.n_moves += 1;
+    }
+
+    fn close_loop(&mut self, frame: usize) -> bool {
+        let Some(found) = self.search.close(&self.atlas, frame, &self.settings.loops) else { return false };
+        let place_from_map = self.atlas.pose(found.place).inverse();
+        let mut near: Vec<(u64, usize)> = found
+            .frames
+            .iter()
+            .map(|other| {
+                let seen = found.place_from_frame.inverse() * place_from_map * self.atlas.pose(*other);
+                ((seen.translation.vector.norm() * 1e6) as u64, *other)
+            })
+            .collect();
+        near.sort_unstable();
+        let mut n_ties = 0;
+        for (_, other) in near {
+            let expected = found.place_from_frame.inverse() * place_from_map * self.atlas.pose(other);
+            n_ties += usize::from(self.atlas.tie(frame, other, &expected, 0.4, true));
+            if n_ties == 3 {
+                break;
+            }
+        }
+        self.n_loops += usize::from(n_ties > 0);
+        n_ties > 0
+    }
+
+    /// Somebody put the robot here; its odometer and its clock may have begun anew.
+    pub fn carry_to(&mut self, map_from_base: &Pose2, covariance: &Matrix3<f64>) {
+        self.forget_motion();
+        self.covariance = *covariance;
+        (self.fit, self.n_missed) = (Fit::Guessed, 0);
+        let off_m = |frame: &usize| {
+            let off = self.atlas.pose(*frame).translation.vector - map_from_base.translation.vector;
+            (off.norm() * 1e6) as u64
+        };
+        let Some(nearest) = (0..self.atlas.frames.len()).min_by_key(off_m) else {
+            self.first_pose = *map_from_base;
+            return;
+        };
+        let frames = frames_of(&self.atlas, nearest);
+        self.stand(nearest, self.atlas.pose(nearest).inverse() * map_from_base, &frames);
+    }
+
+    /// Nobody knows where the robot is; it looks for itself at the next scan.
+    pub fn lose(&mut self) {
+        self.forget_motion();
+        self.fit = Fit::Lost;
+        self.n_missed = self.settings.lost_after_scans.next_multiple_of(LOOK_EVERY) - 1;
+    }
+
+    fn forget_motion(&mut self) {
+        self.before = None;
+        self.odom_from_frame = None;
+        self.odometry.clear();
+    }
+
+    /// Where the robot was at all scans, after everything was registered once more.
+    pub fn trajectory(&self) -> Vec<StampedPose> {
+        let mut atlas = self.atlas.clone();
+        atlas.optimize(10);
+        atlas.refine(self.settings.refine_rounds);
+        let mut poses: Vec<StampedPose> = Vec::with_capacity(self.tracks.len());
+        for track in &self.tracks {
+            if poses.last().is_some_and(|last| last.stamp >= track.stamp) {
+                continue;
+            }
+            let map_from_base = atlas.pose(track.frame) * track.frame_from_base;
+            poses.push(StampedPose { stamp: track.stamp, map_from_base: lift(&map_from_base) });
+        }
+        poses
+    }
+}
+
