@@ -95,11 +95,21 @@ impl Split {
         self.scale * observed.fold(Vector3::zeros(), |sum, (v, value, _)| sum - v * (v.dot(&scaled) / value))
     }
 
+    /// The pose with the prior's numbers along unobserved directions.
+    pub fn held(&self, pose: &Vector3<f64>, prior: &Vector3<f64>) -> Vector3<f64> {
+        let away = self.unscale() * (pose - prior);
+        let unobserved = self.parts().filter(|(_, _, is_observed)| !is_observed);
+        pose - self.scale * unobserved.fold(Vector3::zeros(), |sum, (v, ..)| sum + v * v.dot(&away))
+    }
+
+    fn unscale(&self) -> Matrix3<f64> {
+        self.scale.map(|v| if v == 0.0 { 0.0 } else { 1.0 / v })
+    }
+
     /// Covariance of x, y, yaw for residuals with this variance: along unobserved directions the prior's, but at most that
     /// of the rule.
     pub fn covariance(&self, variance_m2: f64, prior: &Matrix3<f64>, rule: &DegeneracyRule) -> Matrix3<f64> {
-        let unscale = self.scale.map(|v| if v == 0.0 { 0.0 } else { 1.0 / v });
-        let scaled_prior = unscale * prior * unscale;
+        let scaled_prior = self.unscale() * prior * self.unscale();
         let most = rule.std_m * rule.std_m;
         let mut sum = Matrix3::zeros();
         for (v, value, is_observed) in self.parts() {

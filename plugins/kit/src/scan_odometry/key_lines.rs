@@ -43,7 +43,7 @@ fn distance_m(x: &[f64], y: &[f64], one: usize, other: usize) -> Option<f64> {
     Some((x.get(other)? - x.get(one)?).hypot(y.get(other)? - y.get(one)?))
 }
 
-/// The line through a point and the nearer of its neighbors.
+/// The line through a point and the nearer of its neighbors; where that is the published method, it is taken as exact.
 fn through_neighbor(x: &[f64], y: &[f64], idx: usize, settings: &ScanOdometrySettings) -> Option<Line> {
     let neighbors = [idx.checked_sub(1), Some(idx + 1)];
     let near =
@@ -52,7 +52,8 @@ fn through_neighbor(x: &[f64], y: &[f64], idx: usize, settings: &ScanOdometrySet
     let (other, gap_m) = near.min_by(|one, other| one.1.total_cmp(&other.1))?;
     let ([x0, y0], [x1, y1]) = ([*x.get(idx)?, *y.get(idx)?], [*x.get(other)?, *y.get(other)?]);
     let normal = [(y0 - y1) / gap_m, (x1 - x0) / gap_m];
-    let normal_rad2 = 2.0 * settings.range_noise_m.powi(2) / (gap_m * gap_m);
+    let noise_m = if settings.lines == LineKind::Fitted { settings.range_noise_m } else { 0.0 };
+    let normal_rad2 = 2.0 * noise_m * noise_m / (gap_m * gap_m);
     Some(Line { normal, distance_m: normal[0] * x0 + normal[1] * y0, normal_rad2 })
 }
 

@@ -15,6 +15,9 @@ struct Match {
     residual_m: f64,
 }
 
+/// Standard deviation of a normal distribution over the median of its absolute values.
+const NORMAL_OVER_MEDIAN: f64 = 1.4826;
+
 /// Matched points. Kept between scans.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Matches {
@@ -63,6 +66,11 @@ impl Matches {
             equations.add(&one.line, one.arm, one.residual_m, weight);
         }
         equations
+    }
+
+    /// Variance of the residuals from their median, which neither trimming nor a few outliers change, m².
+    pub fn variance_m2(&mut self) -> f64 {
+        (NORMAL_OVER_MEDIAN * self.most_m(0.5)).powi(2)
     }
 
     /// Root of the mean square of the residuals that are not trimmed, meters.

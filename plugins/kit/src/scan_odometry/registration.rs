@@ -66,6 +66,9 @@ pub struct Registrar {
     matches: Matches,
 }
 
+/// The residuals show the noise of the scan; that of the key scan, which is as large, hides in lines that neighbors share.
+const KEY_AND_SCAN: f64 = 2.0;
+
 /// Steps with one distance before it is halved.
 const STEPS_A_DISTANCE: usize = 3;
 
@@ -166,7 +169,9 @@ impl Registrar {
         let Some(split) = Split::new(&equations, &settings.degeneracy).filter(Split::observes_any) else {
             return failed(MatchStatus::LowOverlap);
         };
-        let variance_m2 = equations.cost_m2 / (equations.n as f64 - 3.0).max(1.0);
+        let free = (equations.n as f64 - 3.0).max(1.0);
+        let variance_m2 = KEY_AND_SCAN * self.matches.variance_m2() * equations.n as f64 / free;
+        let pose = split.held(&pose, &numbers(&prior.key_from_base));
         let mut covariance = split.covariance(variance_m2, &prior.covariance, &settings.degeneracy);
         for (axis, floor) in [settings.min_std_m, settings.min_std_m, settings.min_std_rad].iter().enumerate()
         {

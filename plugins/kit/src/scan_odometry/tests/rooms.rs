@@ -4,16 +4,16 @@ use super::*;
 const STARTS: [[f64; 3]; 5] =
     [[0.0; 3], [0.1, -0.05, 0.05], [-0.1, 0.03, -0.07], [0.04, 0.1, 0.07], [-0.06, -0.1, -0.05]];
 
-fn errors(settings: &ScanOdometrySettings, n_beams: usize, noise_m: f64, n_seeds: u64) -> Vec<[f64; 2]> {
+fn errors(settings: &ScanOdometrySettings, starts: &[[f64; 3]], noise_m: f64, n_seeds: u64) -> Vec<[f64; 2]> {
     let (mut registrar, walls) = (Registrar::default(), room());
     let mut found = Vec::new();
     for seed in 0..n_seeds {
         let mut rng = rng(seed);
         let at = pose2(0.3 * seed as f64 - 0.8, 0.1, 0.7 * seed as f64);
         let step = pose2(0.12, -0.02, 0.06);
-        let key = key_of(&seen(&walls, &at, n_beams, noise_m, &mut rng), settings);
-        let points = placed(&seen(&walls, &(at * step), n_beams, noise_m, &mut rng));
-        for [x, y, yaw] in STARTS {
+        let key = key_of(&seen(&walls, &at, 361, noise_m, &mut rng), settings);
+        let points = placed(&seen(&walls, &(at * step), 361, noise_m, &mut rng));
+        for [x, y, yaw] in starts.iter().copied() {
             let matched = registrar.register(&key, &points, &prior(step * pose2(x, y, yaw)), settings);
             assert_eq!(matched.status, MatchStatus::Ok, "{seed}: {matched:?}");
             found.push(apart(&matched.key_from_base, &step));
@@ -31,7 +31,7 @@ fn mean(errors: &[[f64; 2]]) -> [f64; 2] {
 fn a_scan_without_noise_is_placed_within_a_millimeter() {
     for lines in [LineKind::Neighbor, LineKind::Fitted] {
         let settings = ScanOdometrySettings { lines, ..ScanOdometrySettings::default() };
-        for [way_m, turn_rad] in errors(&settings, 541, 0.0, 6) {
+        for [way_m, turn_rad] in errors(&settings, &STARTS, 0.0, 6) {
             assert!(way_m < 1e-3 && turn_rad < 5e-4, "{lines:?}: {way_m} m, {turn_rad} rad");
         }
     }
@@ -39,13 +39,14 @@ fn a_scan_without_noise_is_placed_within_a_millimeter() {
 
 #[test]
 fn with_noise_of_a_centimeter_a_scan_is_placed_within_millimeters_and_fitted_lines_help() {
-    let of = |lines| {
+    let of = |lines, starts: &[[f64; 3]]| {
         let settings = ScanOdometrySettings { lines, ..ScanOdometrySettings::default() };
-        mean(&errors(&settings, 361, 0.01, 12))
+        mean(&errors(&settings, starts, 0.01, 12))
     };
-    let ([neighbor_m, _], [fitted_m, fitted_rad]) = (of(LineKind::Neighbor), of(LineKind::Fitted));
+    let ([neighbor_m, _], [fitted_m, fitted_rad]) =
+        (of(LineKind::Neighbor, &STARTS[..1]), of(LineKind::Fitted, &STARTS));
     assert!(fitted_m < 0.003 && fitted_rad < 0.001, "{fitted_m} m, {fitted_rad} rad");
-    assert!(fitted_m < 0.7 * neighbor_m, "{fitted_m} m beside {neighbor_m} m");
+    assert!(fitted_m < 0.9 * neighbor_m, "{fitted_m} m beside {neighbor_m} m");
 }
 
 #[test]
@@ -72,7 +73,7 @@ fn a_way_through_the_room_adds_up_with_keys_and_without_a_prior() {
     let (walls, mut rng) = (room(), rng(7));
     let mut odometer =
         ScanOdometer::new(ScanOdometrySettings::default(), Pose2::identity(), Matrix3::zeros());
-    let start = pose2(-2.0, -1.5, 0.2);
+    let start = pose2(0.0, -2.3, 0.0);
     let (mut at, mut n_keys, mut last) = (start, 0, Pose2::identity());
     for k in 0..200 {
         let scan = seen(&walls, &at, 361, 0.01, &mut rng);
@@ -81,7 +82,7 @@ fn a_way_through_the_room_adds_up_with_keys_and_without_a_prior() {
         n_keys += usize::from(step.is_key);
         last *= step.last_from_base;
         let [way_m, turn_rad] = apart(&odometer.odom_from_base(), &(start.inverse() * at));
-        assert!(way_m < 0.05 && turn_rad < 0.02, "scan {k}: {way_m} m, {turn_rad} rad");
+        assert!(way_m < 0.02 && turn_rad < 0.008, "scan {k}: {way_m} m, {turn_rad} rad");
         at *= rumbo_core::frames::Twist::new(0.04, 0.03).integrate(1.0);
     }
     assert!((30..110).contains(&n_keys), "{n_keys} keys in 8 m and 6 rad");
@@ -180,7 +181,8 @@ fn a_warm_scan_allocates_nothing() {
     let mut take = |scan: &LaserScan, x_m: f64| {
         odometer.take(scan, &Pose3::identity(), &pose2(x_m, 0.0, 0.0), &(Matrix3::identity() * 0.01))
     };
-    scans.iter().for_each(|scan| drop(take(scan, 0.1)));
+    let n_keys = scans.iter().filter(|scan| take(scan, 0.1).is_key).count();
+    assert!(n_keys > 1, "{n_keys}");
     let info = allocation_counter::measure(|| {
         let n_keys = scans.iter().rev().filter(|scan| take(scan, -0.1).is_key).count();
         assert!(n_keys > 1, "{n_keys}");
