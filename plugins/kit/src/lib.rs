@@ -38,6 +38,7 @@ pub mod recording;
 pub mod relations;
 pub mod resampling;
 pub mod scan_match;
+pub mod scan_odometry;
 pub mod seal;
 pub mod segment;
 pub mod simd;

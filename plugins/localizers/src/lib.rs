@@ -12,4 +12,5 @@ pub mod odometry;
 pub mod particle_filter;
 pub mod prior;
 pub mod recorded_pose;
+pub mod scan_odometry;
 pub mod triangulation;
