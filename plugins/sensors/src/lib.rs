@@ -11,6 +11,7 @@ pub mod lms200;
 pub mod mark_camera;
 pub mod person_tracker;
 pub mod sonar_ring;
+pub mod stabilized_scan;
 pub mod steering_encoder;
 pub mod wheel_encoders;
 
