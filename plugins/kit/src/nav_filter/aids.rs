@@ -1,6 +1,6 @@
 //! What else is known of the motion: which way is up, that the robot stands, that it does not slide (section 10.3).
 
-use nalgebra::{Matrix2, Matrix3, Matrix2x3, SMatrix, SVector, Unit, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, SVector, Unit, Vector2, Vector3};
 
 use super::model::{ATTITUDE, GRAVITY_M_S2, GYRO_BIAS, ImuSample, NavState, VELOCITY};
 use super::settings::NavSettings;

@@ -19,8 +19,7 @@ impl FrameChain {
     /// The links of a pose.
     pub fn of(odom_from_base: &Pose3) -> FrameChain {
         let odom_from_footprint = flatten(odom_from_base);
-        let yaw =
-            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), odom_from_footprint.rotation.angle());
+        let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), odom_from_footprint.rotation.angle());
         FrameChain {
             odom_from_footprint,
             height_m: odom_from_base.translation.z,

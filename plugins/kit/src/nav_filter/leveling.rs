@@ -138,7 +138,9 @@ impl Leveler {
 /// The numbers are finite and none that a device can give.
 pub fn is_reading(sample: &ImuSample, settings: &NavSettings) -> bool {
     let is_finite = sample.rates_rad_s.iter().chain(sample.forces_m_s2.iter()).all(|v| v.is_finite());
+    // A device at free fall reads nothing at all; so does one that has no accelerometer.
     is_finite
+        && sample.forces_m_s2 != Vector3::zeros()
         && sample.forces_m_s2.norm() <= settings.accel_limit_m_s2
         && sample.rates_rad_s.norm() <= settings.rate_limit_rad_s
 }
