@@ -34,6 +34,7 @@ pub mod proximity;
 pub mod ray;
 pub mod recording;
 pub mod relations;
+pub mod scan_odometry;
 pub mod seal;
 pub mod segment;
 pub mod simd;

@@ -13,4 +13,5 @@ pub mod odometry_history;
 pub mod particle_filter;
 pub mod prior;
 pub mod recorded_pose;
+pub mod scan_odometry;
 pub mod triangulation;
