@@ -126,7 +126,8 @@ fn read_ramp(section: &mut Section<'_, '_, '_>) -> Option<Ramp> {
     let name = section.text("name").unwrap_or_else(|| "ramp".to_string());
     let (center, size, yaw_rad) = rectangle(section);
     let z_from_m = section.number("z_from_m", Must::NotBeNegative).unwrap_or(0.0);
-    let z_to_m = section.needed_number("z_to_m", Must::NotBeNegative, "the height of its front edge, 0 or more");
+    let z_to_m =
+        section.needed_number("z_to_m", Must::NotBeNegative, "the height of its front edge, 0 or more");
     if z_to_m == Some(0.0) && z_from_m == 0.0 {
         section.fault("z_to_m", "is 0 like z_from_m; expected a ramp that rises".into());
     }

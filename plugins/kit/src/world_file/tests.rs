@@ -23,7 +23,14 @@ fn ramps_and_steps_are_raised_floor_and_their_faults_are_told() {
     keys.sort_unstable();
     assert_eq!(
         keys,
-        ["ramp[0].size", "ramp[0].z_to_m", "ramp[1].z_to_m", "ramp[2].z_to_m", "step[0].height_m", "step[0].high_m"]
+        [
+            "ramp[0].size",
+            "ramp[0].z_to_m",
+            "ramp[1].z_to_m",
+            "ramp[2].z_to_m",
+            "step[0].height_m",
+            "step[0].high_m"
+        ]
     );
 }
 
