@@ -136,6 +136,9 @@ typedef struct rumbo_map_mut rumbo_map_mut;
 // Slam: it has no saved form.
 #define RUMBO_CANNOT_SAVE 43
 
+// Slam: it cannot be told where the robot is once it has begun (since 1.1).
+#define RUMBO_CANNOT_RELOCATE 44
+
 // Avoider: no reading of the kind `text` for `values[0]` s.
 #define RUMBO_NO_READING 60
 
@@ -892,6 +895,10 @@ typedef struct rumbo_manifest {
     double default_rate_hz;
     // The fastest that it can do, Hz; not-a-number for no limit.
     double max_rate_hz;
+    // Kinds that it takes where some sensor makes them, and does without where none does (since 1.1).
+    uint32_t uses;
+    // 0.
+    uint32_t reserved;
 } rumbo_manifest;
 
 // Takes faults of parameters.
@@ -1361,6 +1368,24 @@ typedef struct rumbo_candidate_out {
     void (*push)(void *ctx, const struct rumbo_candidate *candidates, size_t len);
 } rumbo_candidate_out;
 
+// Where the robot was at a time.
+typedef struct rumbo_stamped_pose {
+    // When, nanoseconds.
+    int64_t stamp_ns;
+    // The robot in the map.
+    struct rumbo_pose3 map_from_base;
+} rumbo_stamped_pose;
+
+// Takes the poses of a trajectory, oldest first.
+typedef struct rumbo_trajectory_out {
+    // Bytes of this struct.
+    size_t size;
+    // For `push`.
+    void *ctx;
+    // Appends `len` poses.
+    void (*push)(void *ctx, const struct rumbo_stamped_pose *poses, size_t len);
+} rumbo_trajectory_out;
+
 // Functions of a planner.
 typedef struct rumbo_planner_table {
     // Bytes of this struct.
@@ -1455,6 +1480,16 @@ typedef struct rumbo_slam_table {
                       struct rumbo_error *error);
     // Writes its whole state, to continue from later; may be null.
     int32_t (*save)(const void *instance, struct rumbo_bytes_out *bytes, struct rumbo_error *error);
+    // Pushes where the robot was at all scans, as it is known now, oldest first; null where it does not keep that.
+    // Since ABI 1.1.
+    int32_t (*trajectory)(const void *instance, struct rumbo_trajectory_out *poses, struct rumbo_error *error);
+    // Is told where the robot is in the map that it has built (`RUMBO_PRIOR_POSE`), or that it may be anywhere in it
+    // (`RUMBO_PRIOR_UNKNOWN`). The map stays; a pose is where the next match begins. Null where it cannot be told.
+    // Since ABI 1.1.
+    int32_t (*relocate)(void *instance,
+                        const struct rumbo_prior *prior,
+                        rumbo_map_mut *map,
+                        struct rumbo_error *error);
 } rumbo_slam_table;
 
 // Functions of a sensor.

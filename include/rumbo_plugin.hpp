@@ -26,6 +26,7 @@
 #include <string>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace rumbo {
 
@@ -136,6 +137,13 @@ struct slam : stage {
                         rumbo_candidate_out &candidates) = 0;
     /* Its whole state, to continue from later. */
     virtual std::string save() const { throw failure(RUMBO_CANNOT_SAVE, "it has no saved form"); }
+    /* Where the robot was at all scans, as it is known now, oldest first. */
+    virtual std::vector<rumbo_stamped_pose> trajectory() const { return {}; }
+    /* Somebody says where the robot is in the map that was built so far, or that it may be anywhere in it; the map stays. */
+    virtual void relocate(const rumbo_prior &, rumbo_map_mut *)
+    {
+        throw failure(RUMBO_CANNOT_RELOCATE, "it cannot be told where the robot is once it has a map");
+    }
 };
 
 struct sensor : stage {
@@ -265,7 +273,19 @@ struct table_of<T, slam> {
     {
         return guarded(error, [&] { bytes->push(bytes->ctx, view(static_cast<const T *>(self)->save())); });
     }
-    static constexpr rumbo_slam_table table = { sizeof(rumbo_slam_table), destroy<T>, start, update, save };
+    static int32_t trajectory(const void *self, rumbo_trajectory_out *poses, rumbo_error *error)
+    {
+        return guarded(error, [&] {
+            const std::vector<rumbo_stamped_pose> all = static_cast<const T *>(self)->trajectory();
+            poses->push(poses->ctx, all.data(), all.size());
+        });
+    }
+    static int32_t relocate(void *self, const rumbo_prior *prior, rumbo_map_mut *map, rumbo_error *error)
+    {
+        return guarded(error, [&] { static_cast<T *>(self)->relocate(*prior, map); });
+    }
+    static constexpr rumbo_slam_table table = { sizeof(rumbo_slam_table), destroy<T>, start, update, save,
+                                                trajectory, relocate };
 };
 
 template <class T>

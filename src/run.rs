@@ -18,7 +18,7 @@ use crate::report;
 use crate::terminal::{Terminal, write_file};
 use lost::{Kept, end_when_lost};
 use pace::Pace;
-use poses::Poses;
+use poses::{Poses, refuse_without_slam, trajectory_text};
 use progress::Progress;
 use rumbo_core::engine::{EndReason, Engine, Observer};
 use std::path::{Path, PathBuf};
@@ -59,6 +59,10 @@ pub struct Args {
     /// Write where the robot thought that it was at each laser scan, as lines of `t x y theta` for `rumbo eval`
     #[arg(long, value_name = "FILE")]
     poses: Option<PathBuf>,
+    /// Write where the robot was at each scan as the plugin in [slam] knows it at the end of the run (after loops were
+    /// closed), as lines of `t x y theta` for `rumbo eval`
+    #[arg(long, value_name = "FILE")]
+    trajectory: Option<PathBuf>,
     /// Record the run as MCAP, for viewers and for `rumbo replay`; instead of the pipeline's `record`
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -87,8 +91,11 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
         ready.limit(duration_s);
     }
     let recorded = args.recording(&ready);
+    if args.trajectory.is_some() {
+        refuse_without_slam(&ready.pipeline)?;
+    }
     let mut poses = args.poses.is_some().then(Poses::default);
-    let record = watched_drive(args, &ready, recorded.as_deref(), &mut poses, terminal)?;
+    let (record, trajectory) = watched_drive(args, &ready, recorded.as_deref(), &mut poses, terminal)?;
     let Some(outcome) = &record.outcome else {
         return Err(Failure::Internal("the run left no figures; this is a bug".into()));
     };
@@ -98,6 +105,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
         write_file(path, poses.text().as_bytes())?;
         written.push(("poses", path.clone()));
     }
+    let trajectory = write_trajectory(args, trajectory, &mut written);
     if !args.quiet {
         terminal.say(summary::summary(outcome, &record.events, &written, terminal));
     }
@@ -107,6 +115,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     if args.open {
         open_first(&written, terminal);
     }
+    trajectory?;
     Ok(exit_of(outcome))
 }
 
@@ -137,7 +146,7 @@ fn watched_drive(
     recorded: Option<&Path>,
     poses: &mut Option<Poses>,
     terminal: &Terminal,
-) -> Result<RunRecord, Failure> {
+) -> Result<(RunRecord, Option<Result<String, Failure>>), Failure> {
     let interrupt = on_interrupt()?;
     let built = Engine::build(&ready.pipeline);
     let mut engine = built.map_err(|error| ready.explain(&error, args.json, terminal))?;
@@ -158,7 +167,20 @@ fn watched_drive(
     if let Some(recording) = recording.take() {
         recording.finish(&driven.end, &engine.view())?;
     }
-    Ok(driven.record)
+    let trajectory = args.trajectory.as_ref().map(|_| trajectory_text(&engine));
+    Ok((driven.record, trajectory))
+}
+
+/// A trajectory that could not be had does not spoil what else a run leaves.
+fn write_trajectory(
+    args: &Args,
+    text: Option<Result<String, Failure>>,
+    written: &mut Vec<(&'static str, PathBuf)>,
+) -> Result<(), Failure> {
+    let (Some(path), Some(text)) = (&args.trajectory, text) else { return Ok(()) };
+    write_file(path, text?.as_bytes())?;
+    written.push(("trajectory", path.clone()));
+    Ok(())
 }
 
 /// Raised by the first interrupt, which stops the robot; the second ends the program.

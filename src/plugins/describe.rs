@@ -27,6 +27,7 @@ pub fn needs_and_gives(manifest: &Manifest) -> Vec<(&'static str, String)> {
         kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" or ")
     };
     add("needs observations", manifest.consumes.iter().map(group).collect());
+    add("uses where present", manifest.uses.iter().map(|k| k.name().to_owned()).collect());
     add("makes observations", manifest.produces.iter().map(|k| k.name().to_owned()).collect());
     if manifest.drives.len() < DriveKind::ALL.len() {
         add("steers drives", manifest.drives.iter().map(|d| d.name().to_owned()).collect());

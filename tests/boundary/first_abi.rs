@@ -3,8 +3,10 @@
 use crate::compiler::{self, Language};
 use crate::runs;
 use rumbo_core::engine::EndReason;
+use rumbo_core::map::Map;
+use rumbo_core::messages::Prior;
 use rumbo_core::registry::{Built, Stage};
-use rumbo_core::stages::{BuildContext, SlamError};
+use rumbo_core::stages::{BuildContext, Slam, SlamError};
 use std::path::PathBuf;
 
 fn library(name: &str, flags: &[&str]) -> PathBuf {
@@ -42,11 +44,15 @@ fn slam_of_the_first_abi_drives_a_robot() {
 }
 
 fn saved(name: &str, flags: &[&str]) -> Result<Vec<u8>, SlamError> {
+    slam(name, flags).save()
+}
+
+fn slam(name: &str, flags: &[&str]) -> Box<dyn Slam> {
     let registry = runs::registry(&[&library(name, flags)]);
     let entry = registry.get(Stage::Slam, "frozen_both").unwrap();
     let configured = entry.source.parse(toml::Table::new()).unwrap();
     match configured.build(&BuildContext::bare("slam")).unwrap() {
-        Built::Slam(slam) => slam.save(),
+        Built::Slam(slam) => slam,
         _ => panic!("no SLAM"),
     }
 }
@@ -56,4 +62,7 @@ fn a_function_that_the_table_has_is_called_and_one_behind_its_end_is_absent() {
     assert_eq!(saved("frozen_saves", &[]).unwrap(), b"0 updates");
     let without = ["-DSLAM_SIZE=offsetof(rumbo_slam_table,save)"];
     assert_eq!(saved("frozen_saves_not", &without), Err(SlamError::CannotSave));
+    let mut slam = slam("frozen_keeps_not", &[]);
+    assert_eq!(slam.trajectory(), Ok(Vec::new()));
+    assert_eq!(slam.relocate(&Prior::Unknown, &mut Map::default()), Err(SlamError::CannotRelocate));
 }

@@ -127,7 +127,7 @@ fn layout_lines() -> String {
         rumbo_fault_out { size, ctx, push }
         rumbo_manifest {
             size, needs_layers, gives_layers, produces, drives, n_consumes, consumes, overlays, is_virtual,
-            needs_start_pose, wishes_motion, default_rate_hz, max_rate_hz,
+            needs_start_pose, wishes_motion, default_rate_hz, max_rate_hz, uses, reserved,
         }
         rumbo_robot {
             size, drive, guard_stop_zone, track_m, wheelbase_m, max_steer_deg, max_steer_rate_deg_s, radius_m,
@@ -190,6 +190,8 @@ fn layout_lines() -> String {
         rumbo_path_out { size, ctx, push, cost }
         rumbo_obstacle_out { size, ctx, push }
         rumbo_candidate_out { size, ctx, push }
+        rumbo_stamped_pose { stamp_ns, map_from_base }
+        rumbo_trajectory_out { size, ctx, push }
         rumbo_bytes_out { size, ctx, push }
         rumbo_probe {
             size, kind, n_beams, base_from_sensor, first_bearing_rad, bearing_step_rad, max_range_m, n_cones,
@@ -203,7 +205,7 @@ fn layout_lines() -> String {
         rumbo_avoider_table { size, destroy, steer }
         rumbo_localizer_table { size, destroy, start, update }
         rumbo_map_builder_table { size, destroy, start, insert, save }
-        rumbo_slam_table { size, destroy, start, update, save }
+        rumbo_slam_table { size, destroy, start, update, save, trajectory, relocate }
         rumbo_sensor_table { size, destroy, poll, derive }
         rumbo_host {
             size, abi_major, abi_minor, log, block_new, block_retain, block_release, make_mut_f32, config_f64,

@@ -120,6 +120,7 @@ impl Crosses for SlamError {
                 cut_into(&mut e.text, needs);
                 RUMBO_BAD_PRIOR
             }
+            SlamError::CannotRelocate => RUMBO_CANNOT_RELOCATE,
             SlamError::CannotSave => RUMBO_CANNOT_SAVE,
             SlamError::Message(_) | SlamError::Other(_) => RUMBO_ERROR,
         }
@@ -128,6 +129,7 @@ impl Crosses for SlamError {
     fn from_code(code: i32, e: &rumbo_error) -> SlamError {
         match code {
             RUMBO_BAD_PRIOR => SlamError::Prior { prior: prior(e), needs: e.noun() },
+            RUMBO_CANNOT_RELOCATE => SlamError::CannotRelocate,
             RUMBO_CANNOT_SAVE => SlamError::CannotSave,
             _ => SlamError::Other(e.words(code)),
         }

@@ -13,21 +13,37 @@ pub(super) enum Finder {
     /// On a map that others build.
     Localizer(Box<dyn Localizer>),
     /// On a map of its own.
-    Slam(Box<dyn Slam>),
+    Slam {
+        /// The plugin.
+        slam: Box<dyn Slam>,
+        /// It was started: from now on its map stays.
+        has_begun: bool,
+    },
 }
 
 impl Finder {
+    /// A localizer begins anew whenever it is told something; a SLAM begins once, and keeps its map from then on.
     fn start(&mut self, prior: &Prior, map: &mut Map) -> Result<(), String> {
         match self {
             Finder::Localizer(localizer) => localizer.start(prior, map).map_err(|e| e.to_string()),
-            Finder::Slam(slam) => slam.start(prior, map).map_err(|e| e.to_string()),
+            Finder::Slam { slam, has_begun: true } => slam.relocate(prior, map).map_err(|e| e.to_string()),
+            Finder::Slam { slam, has_begun } => {
+                slam.start(prior, map).map_err(|e| e.to_string())?;
+                *has_begun = true;
+                Ok(())
+            }
         }
+    }
+
+    /// It builds its map at present: whatever it says of the robot, it must see everything.
+    pub fn is_mapping(&self) -> bool {
+        matches!(self, Finder::Slam { has_begun: true, .. })
     }
 
     fn update(&mut self, cx: &mut Cx<'_>, seen: Seen<'_>, map: &mut Map) -> Result<Estimate, String> {
         let estimate = match self {
             Finder::Localizer(localizer) => localizer.update(cx, seen, map).map_err(|e| e.to_string())?,
-            Finder::Slam(slam) => slam.update(cx, seen, map).map_err(|e| e.to_string())?,
+            Finder::Slam { slam, .. } => slam.update(cx, seen, map).map_err(|e| e.to_string())?,
         };
         estimate.check().map_err(|e| e.to_string())?;
         Ok(estimate)
@@ -45,7 +61,7 @@ pub(super) struct Localization {
 }
 
 impl Localization {
-    /// Begins anew. Returns whether that worked.
+    /// Begins anew, or tells a SLAM that has begun where the robot is. Returns whether that worked.
     pub fn start(
         &mut self,
         prior: &Prior,

@@ -254,7 +254,8 @@ impl Navigator {
     /// The estimate's status changed what can be done. Returns goals that were given up because the robot is lost.
     pub fn on_status(&mut self, now: Time, status: Status, events: &mut Vec<Event>) -> Vec<Goal> {
         match (self.state, status) {
-            (State::Localizing, Status::Tracking) => {
+            // Only a SLAM is asked in `Lost`, since it goes on with its map.
+            (State::Localizing | State::Lost, Status::Tracking) => {
                 events.push(Event { stamp: now, kind: EventKind::Relocalized });
                 self.enter(now, State::Waiting, events);
                 Vec::new()

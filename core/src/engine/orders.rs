@@ -2,6 +2,7 @@
 
 use super::events::{Event, EventKind};
 use super::inbox::Inbox;
+use super::localization::Finder;
 use super::order::{Order, State};
 use super::step::Engine;
 use crate::frames::{Point2, pose2};
@@ -82,6 +83,8 @@ impl Engine {
         let is_sound = match &order {
             Order::GoTo(goals) => goals.iter().all(|goal| goal.check().is_ok()),
             Order::PersonAt(person) => person.check().is_ok() && self.following.is_some(),
+            // A SLAM makes the map itself: another one would be overwritten by its next update.
+            Order::SetMap(_) => !matches!(self.localization.finder.stage, Finder::Slam { .. }),
             _ => true,
         };
         if !order.is_allowed(state) || !is_sound {
@@ -97,18 +100,20 @@ impl Engine {
             }
             Order::SetPose { map_from_base, covariance } => {
                 let prior = Prior::Pose { map_from_base, odom_from_base: self.track.now(), covariance };
+                let was_mapping = self.localization.finder.stage.is_mapping();
                 let (map, ring) = (&mut self.map, &self.ring);
                 let started = self.localization.start(&prior, map, ring, self.now, &mut self.events);
-                self.settle_search(started, State::Waiting);
+                self.settle_search(started, was_mapping, State::Waiting);
                 if started {
                     let odom = self.track.now();
                     self.localization.estimate = Estimate::planar(self.now, map_from_base, odom, covariance);
                 }
             }
             Order::Localize => {
+                let was_mapping = self.localization.finder.stage.is_mapping();
                 let (map, ring) = (&mut self.map, &self.ring);
                 let started = self.localization.search(map, ring, self.now, &mut self.events);
-                self.settle_search(started, State::Localizing);
+                self.settle_search(started, was_mapping, State::Localizing);
             }
             Order::SetMap(map) => self.set_map(*map),
             Order::PersonAt(person) => {
@@ -133,7 +138,11 @@ impl Engine {
         self.navigator.is_following = false;
     }
 
-    fn settle_search(&mut self, started: bool, to: State) {
+    /// A SLAM that was told something of no use to it goes on as before, with what it knows.
+    fn settle_search(&mut self, started: bool, was_mapping: bool, to: State) {
+        if !started && was_mapping {
+            return;
+        }
         self.wish.clear();
         let to = if started { to } else { State::Lost };
         self.navigator.enter(self.now, to, &mut self.events);

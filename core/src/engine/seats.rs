@@ -70,7 +70,10 @@ pub(super) fn localization(
 ) -> Result<Localization, EngineError> {
     let pipeline = builder.pipeline;
     let finder = match (&pipeline.slam, &pipeline.localizer) {
-        (Some(spec), _) => seat(Finder::Slam(builder.stage(spec)?), spec, task(spec.rate, schedule), ring),
+        (Some(spec), _) => {
+            let slam = Finder::Slam { slam: builder.stage(spec)?, has_begun: false };
+            seat(slam, spec, task(spec.rate, schedule), ring)
+        }
         (None, Some(spec)) => {
             seat(Finder::Localizer(builder.stage(spec)?), spec, task(spec.rate, schedule), ring)
         }

@@ -153,7 +153,8 @@ impl Engine {
         let clock = Instant::now();
         self.estimate_is_new = false;
         let searching = self.navigator.state == State::Localizing;
-        let active = !matches!(self.navigator.state, State::NoMap | State::Lost);
+        let is_mapping = self.localization.finder.stage.is_mapping();
+        let active = is_mapping || !matches!(self.navigator.state, State::NoMap | State::Lost);
         // Both are asked in any case: a run that is due and not taken would hold the clock for ever.
         let finder_due = self.localization.finder.is_due(&mut self.schedule, &self.ring, self.now);
         let relocalizer = self.localization.relocalizer.as_ref();

@@ -17,7 +17,8 @@ impl Engine {
         if let Some(seat) = self.localization.relocalizer.as_mut().filter(|_| !localizing) {
             seat.cursor = newest;
         }
-        if localizing || matches!(state, State::NoMap | State::Lost) {
+        let is_mapping = self.localization.finder.stage.is_mapping();
+        if localizing || (!is_mapping && matches!(state, State::NoMap | State::Lost)) {
             self.localization.finder.cursor = newest;
         }
         if matches!(state, State::NoMap | State::Lost | State::Localizing) {

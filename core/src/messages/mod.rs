@@ -11,6 +11,7 @@ mod path;
 mod person;
 mod range;
 mod sense;
+mod stamped_pose;
 mod vision;
 
 pub use check::{Check, MessageFault};
@@ -21,4 +22,5 @@ pub use path::{Obstacle, Path, PathPoint};
 pub use person::PersonPosition;
 pub use range::{Bumpers, LaserScan, RangeRing};
 pub use sense::{Imu, Odometry, PositionFix, SteeringAngle, WheelSpeeds};
+pub use stamped_pose::StampedPose;
 pub use vision::{Custom, DepthImage, Intrinsics, Mark, Marks, PointCloud};

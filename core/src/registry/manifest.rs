@@ -16,6 +16,8 @@ pub struct Manifest {
     pub overlays: bool,
     /// Observations that it cannot do without: of each group, at least one kind.
     pub consumes: Vec<Vec<ObservationKind>>,
+    /// Observations that it takes where some sensor makes them, and does without where none does.
+    pub uses: Vec<ObservationKind>,
     /// Observations that it makes.
     pub produces: Vec<ObservationKind>,
     /// It derives its observations from other sensors' (`inputs` is required).
@@ -40,6 +42,7 @@ impl Default for Manifest {
             gives_layers: Vec::new(),
             overlays: false,
             consumes: Vec::new(),
+            uses: Vec::new(),
             produces: Vec::new(),
             is_virtual: false,
             drives: DriveKind::ALL.to_vec(),

@@ -6,7 +6,7 @@ use crate::{build, registry, stage};
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Point2, Twist, pose2};
 use rumbo_core::map::Map;
-use rumbo_core::messages::{Estimate, Goal, Obstacle, Path, PathPoint, Prior, Seen};
+use rumbo_core::messages::{Estimate, Goal, Obstacle, Path, PathPoint, Prior, Seen, StampedPose};
 use rumbo_core::registry::{Built, Stage};
 use rumbo_core::robot::Robot;
 use rumbo_core::stages::*;
@@ -241,6 +241,45 @@ fn a_slam_plugin_starts_updates_and_saves() {
     assert_eq!(slam.update(&mut cx, Seen::sorted(&seen), &mut map), Ok(full_estimate()));
     assert_eq!(map.version, 42);
     assert_eq!(slam.save(), Ok(vec![1, 2, 250]));
+}
+
+#[test]
+fn a_slam_plugin_is_told_where_the_robot_is_and_keeps_its_map() {
+    let mut slam: Box<dyn Slam> = stage(Stage::Slam, "double");
+    let mut map = full_map();
+    let covariance = nalgebra::Matrix3::new_scaling(0.5);
+    let there = Prior::Pose { map_from_base: odd_pose(), odom_from_base: pose2(1.0, 2.0, 3.0), covariance };
+    assert_eq!(slam.relocate(&there, &mut map), Ok(()));
+    desk(|desk| assert_eq!(desk.prior.take(), Some(there)));
+    assert_eq!(map.grid.as_ref().unwrap().cells[0], full_map().grid.unwrap().cells[0] + 1.0);
+    assert_eq!(slam.relocate(&Prior::Unknown, &mut map), Err(SlamError::CannotRelocate));
+    desk(|desk| assert_eq!(desk.prior.take(), Some(Prior::Unknown)));
+}
+
+#[test]
+fn the_trajectory_of_a_slam_plugin_comes_back_to_the_bit() {
+    let slam: Box<dyn Slam> = stage(Stage::Slam, "double");
+    assert_eq!(slam.trajectory(), Ok(Vec::new()));
+    let estimate = full_estimate();
+    let pose = |k: i64| StampedPose {
+        stamp: Time(k * 1_000_000_007),
+        map_from_base: if k % 2 == 0 { estimate.map_from_base } else { estimate.map_from_odom },
+    };
+    let poses: Vec<_> = (-3..30_000).map(pose).collect();
+    desk(|desk| desk.trajectory.clone_from(&poses));
+    assert_eq!(slam.trajectory(), Ok(poses));
+    // Whose turn it is decides nothing: a panic stays on the other side.
+    let slam = built_slam("panic_in_call = true");
+    let told = slam.trajectory().unwrap_err().to_string();
+    assert!(told.contains("made to panic in a call"), "{told}");
+    assert!(slam.trajectory().unwrap_err().to_string().contains("is not called again"));
+}
+
+fn built_slam(keys: &str) -> Box<dyn Slam> {
+    match build(Stage::Slam, "double", keys).unwrap() {
+        Built::Slam(slam) => slam,
+        _ => panic!("no SLAM"),
+    }
 }
 
 #[test]

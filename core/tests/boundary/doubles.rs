@@ -2,7 +2,7 @@
 
 use rumbo_core::frames::{Point2, Twist};
 use rumbo_core::map::Map;
-use rumbo_core::messages::{Estimate, Observation, Observations, Obstacle, Path, Prior, Seen};
+use rumbo_core::messages::{Estimate, Observation, Observations, Obstacle, Path, Prior, Seen, StampedPose};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::robot::Robot;
 use rumbo_core::stages::*;
@@ -21,6 +21,7 @@ pub struct Desk {
     pub robot: Option<Robot>,
     pub obstacles: Vec<Obstacle>,
     pub path: Option<Path>,
+    pub trajectory: Vec<StampedPose>,
     pub answers: Vec<String>,
     pub cells_at: usize,
     pub kept: Option<Vec<u8>>,
@@ -230,6 +231,17 @@ impl Slam for Double {
         desk(|desk| desk.seen = seen.iter().cloned().collect());
         change(map);
         desk(|desk| desk.estimate_to_give.clone()).ok_or(SlamError::Other("nothing laid out".into()))
+    }
+
+    fn relocate(&mut self, prior: &Prior, map: &mut Map) -> Result<(), SlamError> {
+        change(map);
+        desk(|desk| desk.prior = Some(prior.clone()));
+        if *prior == Prior::Unknown { Err(SlamError::CannotRelocate) } else { Ok(()) }
+    }
+
+    fn trajectory(&self) -> Result<Vec<StampedPose>, SlamError> {
+        assert!(!self.params.panic_in_call, "made to panic in a call");
+        Ok(desk(|desk| desk.trajectory.clone()))
     }
 
     fn save(&self) -> Result<Vec<u8>, SlamError> {

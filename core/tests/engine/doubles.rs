@@ -514,10 +514,20 @@ impl Avoider for Beeline {
 rumbo_core::register_avoider!(BeelineParams, "beeline", "drives straight to the end");
 
 params!(
-    /// Map and place at once, by believing the wheels.
-    BelieverParams {}
+    /// Map and place at once, by believing the wheels: writes down what it is told, and may lose itself for a while.
+    BelieverParams { is_told: bool = true, lost_s: [f64; 2] = [1e9, 1e9], steps_back: bool = false }
 );
-struct Believer(Reckoning);
+struct Believer(Reckoning, BelieverParams, Vec<StampedPose>);
+impl Believer {
+    fn note(&self, what: &str, prior: &Prior) {
+        let words = match prior {
+            Prior::Unknown => format!("{what} unknown"),
+            Prior::Pose { map_from_base, .. } => format!("{what} {:.1}", map_from_base.translation.x),
+            Prior::Saved(bytes) => format!("{what} saved {:?}", bytes.as_slice()),
+        };
+        LOG.lock().unwrap().push((self.0.name.clone(), words));
+    }
+}
 impl Plugin<dyn Slam> for BelieverParams {
     fn manifest(&self) -> Manifest {
         Manifest { gives_layers: vec![Layer::Grid], ..Manifest::default() }
@@ -525,17 +535,45 @@ impl Plugin<dyn Slam> for BelieverParams {
     fn build(&self, context: &BuildContext) -> Result<Box<dyn Slam>, BuildError> {
         let name = format!("quiet {}", context.name);
         let params = ReckoningParams::default();
-        Ok(Box::new(Believer(Reckoning { params, name, map_from_odom: None, odom: Pose2::identity() })))
+        let reckoning = Reckoning { params, name, map_from_odom: None, odom: Pose2::identity() };
+        Ok(Box::new(Believer(reckoning, self.clone(), Vec::new())))
     }
 }
 impl Slam for Believer {
     fn start(&mut self, prior: &Prior, map: &mut Map) -> Result<(), SlamError> {
+        self.note("starts", prior);
         map.grid = Grid::unknown(50, 50, 0.2).ok();
+        let zero = Pose2::identity();
+        let covariance = nalgebra::Matrix3::identity();
+        let somewhere = Prior::Pose { map_from_base: zero, odom_from_base: zero, covariance };
+        let prior = if matches!(prior, Prior::Pose { .. }) { prior } else { &somewhere };
         self.0.start(prior, map).map_err(|e| SlamError::Other(e.to_string()))
     }
     fn update(&mut self, cx: &mut Cx<'_>, seen: Seen<'_>, map: &mut Map) -> Result<Estimate, SlamError> {
         map.touch();
-        self.0.update(cx, seen, map).map_err(|e| SlamError::Other(e.to_string()))
+        // What it has seen so far is in its map: one cell for each update.
+        if let Some(cell) = map.grid.as_mut().and_then(|grid| grid.cells.make_mut().get_mut(0)) {
+            *cell += 1.0;
+        }
+        let estimate = self.0.update(cx, seen, map).map_err(|e| SlamError::Other(e.to_string()))?;
+        let stamp = if self.1.steps_back { Time::ZERO } else { cx.now };
+        self.2.push(StampedPose { stamp, map_from_base: estimate.map_from_base });
+        let [from, to] = self.1.lost_s;
+        let is_lost = (from..to).contains(&cx.now.as_secs());
+        Ok(Estimate { status: if is_lost { Status::Lost } else { Status::Tracking }, ..estimate })
+    }
+    fn relocate(&mut self, prior: &Prior, map: &mut Map) -> Result<(), SlamError> {
+        self.note("is told", prior);
+        if !self.1.is_told || !matches!(prior, Prior::Pose { .. }) {
+            return Err(SlamError::CannotRelocate);
+        }
+        self.0.start(prior, map).map_err(|e| SlamError::Other(e.to_string()))
+    }
+    fn trajectory(&self) -> Result<Vec<StampedPose>, SlamError> {
+        Ok(self.2.clone())
+    }
+    fn save(&self) -> Result<Vec<u8>, SlamError> {
+        Ok(vec![self.2.len().min(9) as u8])
     }
 }
 rumbo_core::register_slam!(BelieverParams, "believer", "believes the wheels");

@@ -6,6 +6,7 @@ mod doubles;
 mod following;
 mod missions;
 mod seats;
+mod slam;
 mod stalls;
 
 use rumbo_core::engine::{EndReason, Engine, Event, EventKind, Metrics, Observer, RunEnd, StepView, Summary};

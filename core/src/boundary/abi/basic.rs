@@ -42,6 +42,8 @@ pub const RUMBO_NOT_STARTED: i32 = 41;
 pub const RUMBO_NEEDS_MOTION: i32 = 42;
 /// Slam: it has no saved form.
 pub const RUMBO_CANNOT_SAVE: i32 = 43;
+/// Slam: it cannot be told where the robot is once it has begun (since 1.1).
+pub const RUMBO_CANNOT_RELOCATE: i32 = 44;
 /// Avoider: no reading of the kind `text` for `values[0]` s.
 pub const RUMBO_NO_READING: i32 = 60;
 /// Sensor: the device `path` does not answer; `text` says why.

@@ -261,6 +261,28 @@ pub struct rumbo_candidate_out {
     pub push: Option<unsafe extern "C" fn(ctx: *mut c_void, candidates: *const rumbo_candidate, len: usize)>,
 }
 
+/// Where the robot was at a time.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct rumbo_stamped_pose {
+    /// When, nanoseconds.
+    pub stamp_ns: i64,
+    /// The robot in the map.
+    pub map_from_base: rumbo_pose3,
+}
+
+/// Takes the poses of a trajectory, oldest first.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct rumbo_trajectory_out {
+    /// Bytes of this struct.
+    pub size: usize,
+    /// For `push`.
+    pub ctx: *mut c_void,
+    /// Appends `len` poses.
+    pub push: Option<unsafe extern "C" fn(ctx: *mut c_void, poses: *const rumbo_stamped_pose, len: usize)>,
+}
+
 /// Takes text or bytes.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]

@@ -195,6 +195,10 @@ pub struct rumbo_manifest {
     pub default_rate_hz: f64,
     /// The fastest that it can do, Hz; not-a-number for no limit.
     pub max_rate_hz: f64,
+    /// Kinds that it takes where some sensor makes them, and does without where none does (since 1.1).
+    pub uses: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 /// The robot.

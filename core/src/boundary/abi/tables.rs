@@ -3,7 +3,8 @@
 use super::basic::rumbo_error;
 use super::inputs::{
     rumbo_avoid_input, rumbo_bytes_out, rumbo_call, rumbo_candidate_out, rumbo_estimate, rumbo_observations,
-    rumbo_obstacle_out, rumbo_path_out, rumbo_plan_request, rumbo_prior, rumbo_steering, rumbo_world,
+    rumbo_obstacle_out, rumbo_path_out, rumbo_plan_request, rumbo_prior, rumbo_steering,
+    rumbo_trajectory_out, rumbo_world,
 };
 use super::map::{rumbo_map, rumbo_map_mut};
 use super::observation::rumbo_seen;
@@ -150,6 +151,26 @@ pub struct rumbo_slam_table {
         unsafe extern "C" fn(
             instance: *const c_void,
             bytes: *mut rumbo_bytes_out,
+            error: *mut rumbo_error,
+        ) -> i32,
+    >,
+    /// Pushes where the robot was at all scans, as it is known now, oldest first; null where it does not keep that.
+    /// Since ABI 1.1.
+    pub trajectory: Option<
+        unsafe extern "C" fn(
+            instance: *const c_void,
+            poses: *mut rumbo_trajectory_out,
+            error: *mut rumbo_error,
+        ) -> i32,
+    >,
+    /// Is told where the robot is in the map that it has built (`RUMBO_PRIOR_POSE`), or that it may be anywhere in it
+    /// (`RUMBO_PRIOR_UNKNOWN`). The map stays; a pose is where the next match begins. Null where it cannot be told.
+    /// Since ABI 1.1.
+    pub relocate: Option<
+        unsafe extern "C" fn(
+            instance: *mut c_void,
+            prior: *const rumbo_prior,
+            map: *mut rumbo_map_mut,
             error: *mut rumbo_error,
         ) -> i32,
     >,

@@ -48,6 +48,7 @@ sized!(
     rumbo_path_out,
     rumbo_obstacle_out,
     rumbo_candidate_out,
+    rumbo_trajectory_out,
     rumbo_bytes_out,
     rumbo_fault_out,
     rumbo_probe,

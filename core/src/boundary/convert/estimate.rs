@@ -7,7 +7,7 @@ use super::basic::{pose2_from, pose3_from, read, rumbo_pose2_of, rumbo_pose3_of}
 use super::observation::slice;
 use crate::boundary::abi::*;
 use crate::frames::Pose2;
-use crate::messages::{Candidate, Estimate, Prior, Status, Wish};
+use crate::messages::{Candidate, Estimate, Prior, StampedPose, Status, Wish};
 use crate::time::Time;
 use nalgebra::{Matrix3, Matrix6};
 
@@ -59,6 +59,17 @@ impl EstimateLoan {
 
 fn candidate_of(candidate: &Candidate) -> rumbo_candidate {
     rumbo_candidate { map_from_base: rumbo_pose2_of(&candidate.map_from_base), score: candidate.score }
+}
+
+/// A place at a time, to the bit.
+pub(crate) fn stamped_pose_of(pose: &StampedPose) -> rumbo_stamped_pose {
+    rumbo_stamped_pose { stamp_ns: pose.stamp.0, map_from_base: rumbo_pose3_of(&pose.map_from_base) }
+}
+
+/// The place behind a view.
+pub(crate) fn stamped_pose_from(pose: &rumbo_stamped_pose) -> Result<StampedPose, BadView> {
+    let map_from_base = pose3_from(&pose.map_from_base, "map_from_base")?;
+    Ok(StampedPose { stamp: Time(pose.stamp_ns), map_from_base })
 }
 
 /// The candidates behind a view, appended to `out`.

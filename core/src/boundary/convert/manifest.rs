@@ -79,6 +79,8 @@ pub(crate) fn manifest_of(manifest: &Manifest) -> rumbo_manifest {
         wishes_motion: manifest.wishes_motion.into(),
         default_rate_hz: manifest.default_rate_hz.unwrap_or(f64::NAN),
         max_rate_hz: manifest.max_rate_hz.unwrap_or(f64::NAN),
+        uses: bits(&manifest.uses, &KINDS),
+        reserved: 0,
     }
 }
 
@@ -91,6 +93,7 @@ pub(crate) fn manifest_from(view: &rumbo_manifest) -> Result<Manifest, BadView> 
         gives_layers: values(view.gives_layers, &LAYERS, "layers")?,
         overlays: view.overlays != 0,
         consumes: groups.map(|group| values(*group, &KINDS, "observations")).collect::<Result<_, _>>()?,
+        uses: values(view.uses, &KINDS, "observations")?,
         produces: values(view.produces, &KINDS, "observations")?,
         is_virtual: view.is_virtual != 0,
         drives: values(view.drives, &DRIVES, "drives")?,
@@ -113,6 +116,7 @@ mod tests {
                 vec![ObservationKind::LaserScan, ObservationKind::RangeRing],
                 vec![ObservationKind::Odometry],
             ],
+            uses: vec![ObservationKind::Odometry, ObservationKind::Imu],
             produces: vec![ObservationKind::Custom],
             drives: vec![DriveKind::Tricycle],
             default_rate_hz: Some(5.0),

@@ -18,7 +18,9 @@ pub(super) use basic::{
     cut_into, pose2_from, pose3_from, read, rumbo_pose2_of, rumbo_pose3_of, str_from, string_from, text_in,
     text_of, twist_from, twist_of, write_sized,
 };
-pub(super) use estimate::{EstimateLoan, estimate_from, lend_prior, prior_from};
+pub(super) use estimate::{
+    EstimateLoan, estimate_from, lend_prior, prior_from, stamped_pose_from, stamped_pose_of,
+};
 pub(super) use lend_observation::{SeenLoan, intrinsics_of};
 pub(super) use manifest::{layer_bits, layers_from, manifest_from, manifest_of};
 pub(super) use map::{

@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{EstimateLoan, observations_from, prior_from, read};
+use super::super::convert::{EstimateLoan, observations_from, prior_from, read, stamped_pose_of};
 use super::super::status::Crosses as _;
 use super::call::{Call, bad};
 use super::guard::{destroy, guarded};
@@ -19,6 +19,8 @@ pub(super) static TABLE: rumbo_slam_table = rumbo_slam_table {
     start: Some(start),
     update: Some(update),
     save: Some(save),
+    trajectory: Some(trajectory),
+    relocate: Some(relocate),
 };
 
 struct Side {
@@ -80,6 +82,50 @@ unsafe extern "C" fn update(
                     Err(why) => why.cross(error),
                 }
             })
+        })
+    }
+}
+
+unsafe extern "C" fn relocate(
+    this: *mut c_void,
+    prior: *const rumbo_prior,
+    map: *mut rumbo_map_mut,
+    error: *mut rumbo_error,
+) -> i32 {
+    // SAFETY: what the host hands over for this call, and an instance that `this` gave.
+    unsafe {
+        with_map(map, |map| {
+            guarded(error, |error| {
+                let Some(side) = this.cast::<Side>().as_mut() else { return RUMBO_ERROR };
+                match prior_from(prior).map(|prior| side.slam.relocate(&prior, map)) {
+                    Ok(Ok(())) => RUMBO_OK,
+                    Ok(Err(why)) => why.cross(error),
+                    Err(view) => bad(&view, error),
+                }
+            })
+        })
+    }
+}
+
+unsafe extern "C" fn trajectory(
+    this: *const c_void,
+    poses: *mut rumbo_trajectory_out,
+    error: *mut rumbo_error,
+) -> i32 {
+    // SAFETY: what the host hands over for this call, and an instance that `this` gave.
+    unsafe {
+        guarded(error, |error| {
+            let Some(side) = this.cast::<Side>().as_ref() else { return RUMBO_ERROR };
+            let found = match side.slam.trajectory() {
+                Err(why) => return why.cross(error),
+                Ok(found) => found,
+            };
+            let Some((out, push)) = read(poses).and_then(|out| Some((out, out.push?))) else {
+                return RUMBO_ERROR;
+            };
+            let found: Vec<_> = found.iter().map(stamped_pose_of).collect();
+            push(out.ctx, found.as_ptr(), found.len());
+            RUMBO_OK
         })
     }
 }

@@ -2,12 +2,12 @@
 #![allow(unsafe_code)]
 
 use super::super::abi::*;
-use super::super::convert::{SeenLoan, lend_prior};
+use super::super::convert::{SeenLoan, lend_prior, stamped_pose_from};
 use super::call::{Instance, Pushed, lend_cx, push_bytes};
 use super::localizer::AnswerSheet;
 use super::map_mut::MapHandle;
 use crate::map::Map;
-use crate::messages::{Estimate, Prior, Seen};
+use crate::messages::{Estimate, Prior, Seen, StampedPose};
 use crate::stages::{Cx, Slam, SlamError};
 
 /// A SLAM plugin of a library.
@@ -54,6 +54,32 @@ impl Slam for DynSlam {
         })?;
         map.end().map_err(|bad| SlamError::Other(self.instance.nonsense(bad)))?;
         self.answer.end(estimate, &self.instance)
+    }
+
+    fn relocate(&mut self, prior: &Prior, map: &mut Map) -> Result<(), SlamError> {
+        let relocate = self.table.relocate.ok_or(SlamError::CannotRelocate)?;
+        let prior = lend_prior(prior);
+        let mut map = MapHandle::new(map);
+        self.instance.call::<SlamError>(|this, error| {
+            // SAFETY: a function of the instance's own table; everything is borrowed until it returns.
+            unsafe { relocate(this, &raw const prior, map.lend(), error) }
+        })?;
+        map.end().map_err(|bad| SlamError::Other(self.instance.nonsense(bad)))
+    }
+
+    fn trajectory(&self) -> Result<Vec<StampedPose>, SlamError> {
+        let Some(trajectory) = self.table.trajectory else { return Ok(Vec::new()) };
+        let mut poses = Pushed::<rumbo_stamped_pose>::new();
+        let size = size_of::<rumbo_trajectory_out>();
+        let mut out = rumbo_trajectory_out { size, ctx: poses.begin(), push: Some(Pushed::push) };
+        // SAFETY: a function of the instance's own table, with an output that lives until it returns.
+        self.instance.look::<SlamError>(|this, error| unsafe { trajectory(this, &raw mut out, error) })?;
+        let fault = poses.fault("a trajectory");
+        if let Some(fault) = fault {
+            return Err(SlamError::Other(self.instance.nonsense(fault)));
+        }
+        let taken: Result<Vec<_>, _> = poses.items.iter().map(stamped_pose_from).collect();
+        taken.map_err(|bad| SlamError::Other(self.instance.nonsense(bad)))
     }
 
     fn save(&self) -> Result<Vec<u8>, SlamError> {
