@@ -5,6 +5,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod beam_table;
+pub mod correlative;
 pub mod cost_field;
 pub mod depth;
 pub mod depth_file;
@@ -35,6 +36,7 @@ pub mod ray;
 pub mod recording;
 pub mod relations;
 pub mod scan_odometry;
+pub mod scan_match;
 pub mod seal;
 pub mod segment;
 pub mod simd;

@@ -1,0 +1,34 @@
+//! Scan-to-map matching: the pose at which the points of a scan lie best on what a map says is there.
+//!
+//! Minimizes the sum of `[1 - M(S_i(pose))]²` over the points, where `M` is the map's value between 0 and 1, interpolated
+//! between the middles of cells (Kohlbrecher, Meyer, von Stryk, Klingauf, *A Flexible and Scalable SLAM System with Full
+//! 3D Motion Estimation*, SSRR 2011, in the corrected form of Arroyo Sánchez 2013, equations 4 to 14), by safeguarded
+//! Gauss-Newton steps from the coarsest level of the map to the finest.
+//!
+//! What is matched against is a [`MatchLevel`]: a level of an occupancy grid is one ([`GridLevel`]), and so is whatever
+//! else has numbers at the middles of cells.
+
+mod covariance;
+mod gate;
+mod level;
+mod linearized;
+mod logistic;
+mod matcher;
+mod observability;
+mod points;
+mod preparation;
+mod step;
+
+pub use covariance::{CovarianceRule, CovarianceSettings};
+pub use gate::{MatchGate, MatchStatus};
+pub use level::{GridLevel, MatchLevel, levels_of};
+pub use linearized::{Linearized, linearize};
+pub use logistic::logistic;
+pub use matcher::{MatchSettings, ScanMatch, match_scan};
+pub use observability::{BlindAxes, Observability, ObservabilitySettings};
+pub use points::ScanPoints;
+pub use preparation::ScanPreparation;
+pub use step::{PosePrior, step};
+
+#[cfg(test)]
+mod tests;
