@@ -185,14 +185,31 @@ impl NavFilter {
         let mut tally = Tally::default();
         let is_used = step.is_some_and(|step| fuse(&mut moment, step, &self.settings, &mut tally));
         let (pose, covariance) = anchor(&mut moment);
-        self.anchor_covariance =
-            compounded(&self.anchor_covariance, &self.odom_from_anchor, &pose, &covariance);
-        self.odom_from_anchor *= pose;
+        self.begin_at(&pose, &covariance);
         self.history.revise(place, moment, &self.settings);
         // What is older is seen from where the step before ended.
         self.history.forget_before(place);
         self.add(tally);
         is_used
+    }
+
+    /// Scans alone say how the robot moved since the last step: there are no samples of that time. Attitude and velocity stay
+    /// as they were, and what comes next is a gap.
+    pub fn carry_on(&mut self, step: &PlanarPose) {
+        if let Some(now) = self.history.now() {
+            let mut moment = now.clone();
+            anchor(&mut moment);
+            self.history.begin(moment);
+        }
+        self.begin_at(&step.pose, &step.covariance);
+        self.dead_reckoned *= step.pose;
+    }
+
+    /// The anchor is there now, seen from where it was.
+    fn begin_at(&mut self, pose: &Pose2, covariance: &Matrix3<f64>) {
+        self.anchor_covariance =
+            compounded(&self.anchor_covariance, &self.odom_from_anchor, pose, covariance);
+        self.odom_from_anchor *= pose;
     }
 
     /// Takes in a planar pose of that time, in the frame of the output, by covariance intersection. Returns whether it was
