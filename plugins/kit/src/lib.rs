@@ -25,6 +25,7 @@ pub mod map_file;
 pub mod mark_file;
 pub mod moving_clusters;
 pub mod mrclam;
+pub mod nav_filter;
 pub mod normal;
 pub mod occupancy;
 pub mod odometry_history;

@@ -1,4 +1,4 @@
-//! World files: walls, boxes, people, doors and marks of a simulated place, in TOML.
+//! World files: walls, boxes, ramps, steps, people, doors and marks of a simulated place, in TOML.
 //!
 //! All faults of a file are found in one reading, each with line, column and key.
 
@@ -70,6 +70,24 @@ impl SolidBox {
         [(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)]
             .map(|(x, y)| [self.center[0] + cos * x - sin * y, self.center[1] + sin * x + cos * y])
     }
+}
+
+/// A raised piece of the floor: an inclined plane (`[[ramp]]`) or a level one (`[[step]]`), solid down to the floor. Where
+/// several lie on top of each other, the highest counts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ramp {
+    /// Name for messages.
+    pub name: String,
+    /// Center, meters.
+    pub center: [f64; 2],
+    /// Length and width as seen from above, meters.
+    pub size: [f64; 2],
+    /// Turn about the center, radians.
+    pub yaw_rad: f64,
+    /// Height of the edge at its back, meters.
+    pub z_from_m: f64,
+    /// Height of the edge in front, one length along its x axis, meters.
+    pub z_to_m: f64,
 }
 
 /// Somebody who walks along a route (`[[person]]`).
@@ -156,6 +174,8 @@ pub struct WorldScene {
     pub walls: Vec<Wall>,
     /// Boxes.
     pub boxes: Vec<SolidBox>,
+    /// Ramps and steps.
+    pub ramps: Vec<Ramp>,
     /// People.
     pub persons: Vec<Person>,
     /// Doors.

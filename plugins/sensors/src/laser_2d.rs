@@ -3,8 +3,10 @@
 mod noise;
 mod params;
 mod plugin;
+mod scan_faults;
 pub(crate) mod scanner;
 
 pub use noise::{GaussianNoise, ScanNoise};
 pub use params::Laser2dParams;
 pub use plugin::Laser2d;
+pub use scan_faults::ScanFaultParams;

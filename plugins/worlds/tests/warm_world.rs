@@ -12,7 +12,7 @@ use rumbo_core::messages::{Command, Intrinsics};
 use rumbo_core::registry::Plugin;
 use rumbo_core::stages::{Answer, BuildContext, Probe, World};
 use rumbo_core::time::Time;
-use rumbo_worlds::sim::{SimParams, Start};
+use rumbo_worlds::sim::{SimParams, Start, Sway};
 
 struct Counting;
 static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
@@ -59,14 +59,25 @@ fn tick(world: &mut dyn World, number: i64) {
     }
 }
 
+/// One test: two would count each other's allocations.
 #[test]
-fn a_warm_world_with_people_allocates_nothing() {
+fn a_warm_world_with_people_or_slopes_allocates_nothing() {
     let worlds = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines/worlds");
     let start = Start { x_m: 4.0, y_m: 8.0, yaw_deg: 0.0 };
-    let params = SimParams { map: Some(worlds.join("office_people.toml")), start, ..SimParams::default() };
-    let mut world = params.build(&BuildContext::bare("world")).unwrap();
-    (1..20).for_each(|number| tick(&mut *world, number));
-    let before = ALLOCATIONS.load(Ordering::Relaxed);
-    (20..120).for_each(|number| tick(&mut *world, number));
-    assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    let people = SimParams { map: Some(worlds.join("office_people.toml")), start, ..SimParams::default() };
+    let hill = "ramp = [{ center = [4.0, 8.5], size = [3.0, 3.0], z_to_m = 0.5 }]";
+    let add = toml::from_str(&format!("{hill}\nwall = [{{ from = [-1, 0], to = [9, 0] }}]")).ok();
+    let slopes = SimParams {
+        add,
+        sway: Some(Sway { roll_deg: 5.0, ..Sway::default() }),
+        start,
+        ..SimParams::default()
+    };
+    for params in [people, slopes] {
+        let mut world = params.build(&BuildContext::bare("world")).unwrap();
+        (1..20).for_each(|number| tick(&mut *world, number));
+        let before = ALLOCATIONS.load(Ordering::Relaxed);
+        (20..120).for_each(|number| tick(&mut *world, number));
+        assert_eq!(ALLOCATIONS.load(Ordering::Relaxed) - before, 0);
+    }
 }

@@ -6,7 +6,7 @@ use toml::de::DeTable;
 
 use super::section::{Faults, Must, Section};
 use super::{
-    DEFAULT_WALL_HEIGHT_M, Door, Material, Person, SolidBox, Wall, WorldFault, WorldMark, WorldScene,
+    DEFAULT_WALL_HEIGHT_M, Door, Material, Person, Ramp, SolidBox, Wall, WorldFault, WorldMark, WorldScene,
 };
 
 const MATERIALS: [(&str, Material); 2] = [("opaque", Material::Opaque), ("glass", Material::Glass)];
@@ -74,6 +74,8 @@ fn read_top(top: &mut Section<'_, '_, '_>, folder: &Path, scene: &mut WorldScene
 fn read_things(top: &mut Section<'_, '_, '_>, wall_height_m: f64, scene: &mut WorldScene) {
     top.tables("wall", |section| scene.walls.extend(read_wall(section, wall_height_m)));
     top.tables("box", |section| scene.boxes.extend(read_box(section, wall_height_m)));
+    top.tables("ramp", |section| scene.ramps.extend(read_ramp(section)));
+    top.tables("step", |section| scene.ramps.extend(read_step(section)));
     top.tables("person", |section| scene.persons.extend(read_person(section)));
     top.tables("door", |section| scene.doors.extend(read_door(section, wall_height_m)));
     top.tables("mark", |section| scene.marks.extend(read_mark(section)));
@@ -109,14 +111,40 @@ fn read_wall(section: &mut Section<'_, '_, '_>, wall_height_m: f64) -> Option<Wa
     Some(Wall { from, to, z_min_m, z_max_m, material, mapped })
 }
 
-fn read_box(section: &mut Section<'_, '_, '_>, wall_height_m: f64) -> Option<SolidBox> {
-    let name = section.text("name").unwrap_or_else(|| "box".to_string());
+/// Center, edges and turn of a rectangle.
+fn rectangle(section: &mut Section<'_, '_, '_>) -> (Option<[f64; 2]>, Option<[f64; 2]>, f64) {
     let center = section.numbers("center", true);
     let size = section.numbers::<2>("size", true);
     if let Some(wrong) = size.filter(|size| size.iter().any(|&edge| edge <= 0.0)) {
         section.fault("size", format!("is {wrong:?}, expected two lengths above 0"));
     }
     let yaw_rad = section.number("yaw_deg", Must::BeFinite).unwrap_or(0.0).to_radians();
+    (center, size, yaw_rad)
+}
+
+fn read_ramp(section: &mut Section<'_, '_, '_>) -> Option<Ramp> {
+    let name = section.text("name").unwrap_or_else(|| "ramp".to_string());
+    let (center, size, yaw_rad) = rectangle(section);
+    let z_from_m = section.number("z_from_m", Must::NotBeNegative).unwrap_or(0.0);
+    let z_to_m =
+        section.needed_number("z_to_m", Must::NotBeNegative, "the height of its front edge, 0 or more");
+    if z_to_m == Some(0.0) && z_from_m == 0.0 {
+        section.fault("z_to_m", "is 0 like z_from_m; expected a ramp that rises".into());
+    }
+    Some(Ramp { name, center: center?, size: size?, yaw_rad, z_from_m, z_to_m: z_to_m? })
+}
+
+fn read_step(section: &mut Section<'_, '_, '_>) -> Option<Ramp> {
+    let name = section.text("name").unwrap_or_else(|| "step".to_string());
+    let (center, size, yaw_rad) = rectangle(section);
+    let height_m = section.needed_number("height_m", Must::BePositive, "a height above 0");
+    let (z_from_m, z_to_m) = (height_m?, height_m?);
+    Some(Ramp { name, center: center?, size: size?, yaw_rad, z_from_m, z_to_m })
+}
+
+fn read_box(section: &mut Section<'_, '_, '_>, wall_height_m: f64) -> Option<SolidBox> {
+    let name = section.text("name").unwrap_or_else(|| "box".to_string());
+    let (center, size, yaw_rad) = rectangle(section);
     let (z_min_m, z_max_m) = heights(section, wall_height_m, "z_max_m");
     let material = section.word("material", &MATERIALS, Material::Opaque);
     let mapped = section.flag("mapped").unwrap_or(true);

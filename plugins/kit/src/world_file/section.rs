@@ -95,6 +95,16 @@ impl<'a, 'i, 't> Section<'a, 'i, 't> {
         Some(number)
     }
 
+    /// A number that must be there.
+    pub fn needed_number(&mut self, key: &'static str, must: Must, expected: &str) -> Option<f64> {
+        if self.table.get(key).is_none() {
+            self.known.push(key);
+            self.missing(key, expected);
+            return None;
+        }
+        self.number(key, must)
+    }
+
     /// A whole number that must be there.
     pub fn whole_number(&mut self, key: &'static str) -> Option<u32> {
         let Some(value) = self.value(key).map(Spanned::get_ref) else {

@@ -5,6 +5,36 @@ fn parse(text: &str) -> Result<WorldScene, WorldFileError> {
 }
 
 #[test]
+fn ramps_and_steps_are_raised_floor_and_their_faults_are_told() {
+    let scene = parse(
+        "bounds = [0, 0, 9, 9]\n[[ramp]]\nname = 'up'\ncenter = [2, 1]\nsize = [2, 1]\nyaw_deg = 90\nz_to_m = 0.5\n\
+         [[step]]\ncenter = [5, 1]\nsize = [2, 1]\nheight_m = 0.15\n",
+    )
+    .unwrap();
+    let [up, step] = scene.ramps.as_slice() else { panic!("{:?}", scene.ramps) };
+    assert_eq!((up.name.as_str(), up.z_from_m, up.z_to_m), ("up", 0.0, 0.5));
+    assert!((up.yaw_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    assert_eq!((step.name.as_str(), step.z_from_m, step.z_to_m), ("step", 0.15, 0.15));
+    let bad = "bounds = [0, 0, 9, 9]\n[[ramp]]\ncenter = [2, 1]\nsize = [2, 0]\n[[ramp]]\ncenter = [2, 1]\n\
+               size = [2, 1]\nz_to_m = 0\n[[ramp]]\ncenter = [2, 1]\nsize = [2, 1]\nz_to_m = -1\n[[step]]\n\
+               center = [2, 1]\nsize = [2, 1]\nhigh_m = 1\n";
+    let Err(WorldFileError::Faults { faults, .. }) = parse(bad) else { panic!("no faults") };
+    let mut keys: Vec<&str> = faults.iter().map(|fault| fault.key.as_str()).collect();
+    keys.sort_unstable();
+    assert_eq!(
+        keys,
+        [
+            "ramp[0].size",
+            "ramp[0].z_to_m",
+            "ramp[1].z_to_m",
+            "ramp[2].z_to_m",
+            "step[0].height_m",
+            "step[0].high_m"
+        ]
+    );
+}
+
+#[test]
 fn every_kind_of_thing_is_read_with_its_defaults() {
     let scene = parse(
         r#"

@@ -1,4 +1,4 @@
-//! Walls, boxes, doors, people and marks that a pipeline adds to a world, with the keys that they have in a world file.
+//! Walls, boxes, ramps, steps, doors, people and marks that a pipeline adds to a world, with the keys that they have in a world file.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,18 +30,23 @@ impl WorldScene {
     pub fn add(&mut self, other: WorldScene) {
         self.walls.extend(other.walls);
         self.boxes.extend(other.boxes);
+        self.ramps.extend(other.ramps);
         self.persons.extend(other.persons);
         self.doors.extend(other.doors);
         self.marks.extend(other.marks);
     }
 
-    /// Takes away the box, door or person with this name. Returns whether there was one.
+    /// Takes away the box, ramp, step, door or person with this name. Returns whether there was one.
     pub fn remove(&mut self, name: &str) -> bool {
-        let n_before = self.boxes.len() + self.doors.len() + self.persons.len();
+        let n_things = |scene: &WorldScene| {
+            scene.boxes.len() + scene.ramps.len() + scene.doors.len() + scene.persons.len()
+        };
+        let n_before = n_things(self);
         self.boxes.retain(|solid| solid.name != name);
+        self.ramps.retain(|ramp| ramp.name != name);
         self.doors.retain(|door| door.name != name);
         self.persons.retain(|person| person.name != name);
-        self.boxes.len() + self.doors.len() + self.persons.len() < n_before
+        n_things(self) < n_before
     }
 }
 
@@ -64,6 +69,11 @@ mod tests {
         let faults = things("box = [{ center = [2, 1], size = [0.5] }]\nbounds = 3").read().unwrap_err();
         let keys: Vec<&str> = faults.iter().map(|fault| fault.key.as_str()).collect();
         assert_eq!(keys, ["box[0].size", "bounds"]);
+        let raised = "ramp = [{ name = \"way up\", center = [2, 1], size = [2, 1], z_to_m = 0.5 }]\n\
+                      step = [{ center = [4, 1], size = [2, 1], height_m = 0.5 }]";
+        world.add(things(raised).read().unwrap());
+        assert!(world.ramps.len() == 2 && world.remove("way up") && world.remove("step"));
+
         assert_eq!(Things::default().read(), Ok(WorldScene::default()));
     }
 }

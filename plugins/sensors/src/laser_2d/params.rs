@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::scanner::ScanShape;
-use super::{GaussianNoise, ScanNoise};
+use super::{GaussianNoise, ScanFaultParams, ScanNoise};
 
 /// A planar range finder. Beams run counter-clockwise; the middle of the field of view is the mount's x axis.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
@@ -24,12 +24,21 @@ pub struct Laser2dParams {
     /// bearing_deg = 0.0, dropout = 0.0 }`.
     #[schemars(schema_with = "noise_schema")]
     pub noise: Box<dyn ScanNoise>,
+    /// What befalls whole scans of a simulated device: `{ silent_from_s = 10.0, silent_for_s = 30.0, corrupt = 0.1 }`.
+    pub faults: ScanFaultParams,
 }
 
 impl Default for Laser2dParams {
     fn default() -> Self {
         let noise = Box::new(GaussianNoise { range_m: 0.01, ..GaussianNoise::default() });
-        Self { field_of_view_deg: 270.0, step_deg: 0.5, min_range_m: 0.05, max_range_m: 10.0, noise }
+        Self {
+            field_of_view_deg: 270.0,
+            step_deg: 0.5,
+            min_range_m: 0.05,
+            max_range_m: 10.0,
+            noise,
+            faults: ScanFaultParams::default(),
+        }
     }
 }
 
@@ -47,7 +56,7 @@ const MOST_BEAMS: f64 = 100_000.0;
 
 impl Params for Laser2dParams {
     fn check(&self) -> Vec<BuildError> {
-        let Self { field_of_view_deg, step_deg, min_range_m, max_range_m, noise } = self;
+        let Self { field_of_view_deg, step_deg, min_range_m, max_range_m, noise, faults: scan_faults } = self;
         let mut faults = Vec::new();
         let mut expect = |fine: bool, key: &str, value: f64, expected: &str| {
             if !fine {
@@ -64,6 +73,8 @@ impl Params for Laser2dParams {
         faults.extend(
             noise.faults().into_iter().map(|(key, message)| BuildError::at(format!("noise.{key}"), message)),
         );
+        let scan_faults = scan_faults.faults().into_iter();
+        faults.extend(scan_faults.map(|(key, message)| BuildError::at(format!("faults.{key}"), message)));
         faults
     }
 }

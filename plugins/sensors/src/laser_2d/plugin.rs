@@ -6,7 +6,7 @@ use rumbo_core::rng::Rng;
 use rumbo_core::stages::{Answer, BuildContext, BuildError, Cx, Sensor, SensorError, World};
 
 use super::scanner::{ScanShape, Scanned};
-use super::{Laser2dParams, ScanNoise};
+use super::{Laser2dParams, ScanFaultParams, ScanNoise};
 use crate::recorded::Seat;
 
 rumbo_core::register_sensor!(
@@ -21,6 +21,7 @@ pub struct Laser2d {
     seat: Seat,
     shape: ScanShape,
     noise: Box<dyn ScanNoise>,
+    faults: ScanFaultParams,
     rng: Rng,
 }
 
@@ -38,7 +39,8 @@ impl Plugin<dyn Sensor> for Laser2dParams {
             return Err(fault);
         }
         let (seat, rng) = (Seat::of(context), context.rng());
-        Ok(Box::new(Laser2d { seat, shape: self.shape(), noise: self.noise.clone(), rng }))
+        let (noise, faults) = (self.noise.clone(), self.faults);
+        Ok(Box::new(Laser2d { seat, shape: self.shape(), noise, faults, rng }))
     }
 }
 
@@ -56,13 +58,17 @@ impl Sensor for Laser2d {
             self.shape.scan(&self.seat, world, out, |exact_m| noise.read(exact_m, rng))?
         };
         match scanned {
-            Scanned::Scan(scan) => out.push(Observation {
-                sensor: self.seat.sensor,
-                stamp: cx.now,
-                base_from_sensor: self.seat.base_from_sensor,
-                valid: true,
-                data: Data::LaserScan(scan),
-            }),
+            Scanned::Scan(_) if self.faults.is_silent(cx.now) => {}
+            Scanned::Scan(mut scan) => {
+                self.faults.befall(&mut scan, &mut self.rng);
+                out.push(Observation {
+                    sensor: self.seat.sensor,
+                    stamp: cx.now,
+                    base_from_sensor: self.seat.base_from_sensor,
+                    valid: true,
+                    data: Data::LaserScan(scan),
+                });
+            }
             Scanned::Recorded => {}
             // A scanner of any shape is no device that could be read.
             Scanned::Live => {

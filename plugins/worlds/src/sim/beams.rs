@@ -7,6 +7,7 @@ use super::lattice::Lattice;
 use super::place::{Place, View};
 use super::solid::{Ray, Solid, Vector};
 use super::sound::echo;
+use super::terrain::Terrain;
 
 /// A fan of beams in the plane of the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,14 +73,16 @@ fn beam(place: &Place, map_from_sensor: &Pose3, direction: &nalgebra::Vector3<f6
 }
 
 /// Heights that rays of a mount may meet: one for a level mount, all otherwise.
-fn view_of(map_from_sensor: &Pose3, with_glass: bool) -> View {
-    let up = map_from_sensor.rotation * nalgebra::Vector3::z();
-    let z_m = map_from_sensor.translation.z;
-    if up.xy().norm() < LEVEL {
-        View { z_min_m: z_m, z_max_m: z_m, with_glass }
+fn view_of(place: &Place, map_from_sensor: &Pose3, with_glass: bool) -> View {
+    if is_level(map_from_sensor) {
+        place.view_at(map_from_sensor.translation.z, with_glass)
     } else {
-        View { z_min_m: f64::NEG_INFINITY, z_max_m: f64::INFINITY, with_glass }
+        View { with_glass, ..View::ALL_HEIGHTS }
     }
+}
+
+fn is_level(map_from_sensor: &Pose3) -> bool {
+    (map_from_sensor.rotation * nalgebra::Vector3::z()).xy().norm() < LEVEL
 }
 
 impl Eyes {
@@ -91,9 +94,8 @@ impl Eyes {
         fan: Fan,
         max_range_m: f64,
     ) -> &[f32] {
-        let view = view_of(map_from_sensor, false);
-        let number = self.look(place, view);
-        let is_level = view.z_min_m == view.z_max_m;
+        let number = self.look(place, view_of(place, map_from_sensor, false));
+        let is_level = is_level(map_from_sensor);
         let fan_idx = self.fan(fan);
         // A level fan needs one pose: its beams differ by their direction only.
         let first =
@@ -112,7 +114,8 @@ impl Eyes {
             (beam.ray, max_range_m / beam.meters_per_cell)
         };
         let lattice = place.lattice(number);
-        let shoot = Shoot { lattice, movers: &self.movers, max_range_m, n_rays: fan.n_beams };
+        let (movers, terrain) = (&self.movers, &place.terrain);
+        let shoot = Shoot { lattice, movers, terrain, max_range_m, n_rays: fan.n_beams };
         if is_level {
             shoot.rays(level_ray, &mut self.ranges_m)
         } else {
@@ -129,8 +132,7 @@ impl Eyes {
         camera: &Intrinsics,
         max_range_m: f64,
     ) -> &[f32] {
-        let all_heights = View { z_min_m: f64::NEG_INFINITY, z_max_m: f64::INFINITY, with_glass: false };
-        let number = self.look(place, all_heights);
+        let number = self.look(place, View::ALL_HEIGHTS);
         let ray_of = |idx: usize| {
             let (row, col) = (idx / camera.width as usize, idx % camera.width as usize);
             let up = (camera.center_px[1] - row as f64) / camera.focal_px[1];
@@ -141,7 +143,8 @@ impl Eyes {
             (beam.ray, max_range_m * length / beam.meters_per_cell)
         };
         let n_rays = camera.width as usize * camera.height as usize;
-        let shoot = Shoot { lattice: place.lattice(number), movers: &self.movers, max_range_m, n_rays };
+        let (lattice, movers, terrain) = (place.lattice(number), &self.movers, &place.terrain);
+        let shoot = Shoot { lattice, movers, terrain, max_range_m, n_rays };
         shoot.rays(ray_of, &mut self.ranges_m);
         &self.ranges_m
     }
@@ -154,9 +157,9 @@ impl Eyes {
         ring: Ring<'_>,
         max_range_m: f64,
     ) -> &[f32] {
-        let z_m = map_from_sensor.translation.z;
-        let number = self.look(place, View { z_min_m: z_m, z_max_m: z_m, with_glass: true });
+        let number = self.look(place, view_of(place, map_from_sensor, true));
         let lattice = place.lattice(number);
+        let is_level = is_level(map_from_sensor);
         // An even number of steps, so that one ray is the axis.
         let n_steps = 2 * (ring.cone_rad / CONE_STEP_RAD / 2.0).ceil().max(1.0) as usize;
         let reach = max_range_m / place.resolution_m;
@@ -169,8 +172,17 @@ impl Eyes {
                 let off_axis_rad = ring.cone_rad * (step as f64 / n_steps as f64 - 0.5);
                 let (sin, cos) = (bearing_rad + off_axis_rad).sin_cos();
                 let beam = beam(place, &face, &nalgebra::Vector3::new(cos, sin, 0.0));
-                let ray = Ray { slope: 0.0, ..beam.ray };
-                shortest = shortest.min(echo(lattice, &self.movers, ray, reach).unwrap_or(f64::INFINITY));
+                let (ray, way_per_cell) = if is_level {
+                    (Ray { slope: 0.0, ..beam.ray }, 1.0)
+                } else {
+                    (beam.ray, beam.meters_per_cell / place.resolution_m)
+                };
+                let heard = echo(lattice, &self.movers, ray, reach / way_per_cell);
+                // Ramps and steps return sound as walls do; from the plain floor it glances off.
+                let raised = place.terrain.hit(&ray).filter(|way| *way <= reach / way_per_cell);
+                for way in [heard, raised].into_iter().flatten() {
+                    shortest = shortest.min(way * way_per_cell);
+                }
             }
             self.ranges_m.push((shortest * place.resolution_m) as f32);
         }
@@ -205,6 +217,7 @@ impl Eyes {
 struct Shoot<'a> {
     lattice: &'a Lattice,
     movers: &'a [Solid],
+    terrain: &'a Terrain,
     max_range_m: f64,
     n_rays: usize,
 }
@@ -215,7 +228,7 @@ impl Shoot<'_> {
         ranges_m.clear();
         ranges_m.resize(self.n_rays, f32::INFINITY);
         self.lattice.cast_all(self.n_rays, ray_of, |number, ray, reach, hit| {
-            let way = nearest(hit.map(|hit| hit.way), self.movers, ray, reach);
+            let way = self.nearest(hit.map(|hit| hit.way), ray, reach);
             if way > 0.0 && way < f64::INFINITY {
                 ranges_m[number] = (way * (self.max_range_m / reach)) as f32;
             } else {
@@ -223,20 +236,21 @@ impl Shoot<'_> {
             }
         });
     }
-}
 
-/// The nearest of a static hit, what moves, and the floor; infinite beyond the reach.
-fn nearest(fixed: Option<f64>, movers: &[Solid], ray: &Ray, reach: f64) -> f64 {
-    let mut way = fixed.unwrap_or(f64::INFINITY);
-    if ray.slope < 0.0 && ray.z > 0.0 {
-        way = way.min(-ray.z / ray.slope);
-    }
-    for mover in movers {
-        if let Some(hit) = mover.hit(ray) {
-            way = way.min(hit);
+    /// The nearest of a static hit, what moves, and the floor; infinite beyond the reach.
+    fn nearest(&self, fixed: Option<f64>, ray: &Ray, reach: f64) -> f64 {
+        let mut way = fixed.unwrap_or(f64::INFINITY);
+        if ray.slope < 0.0 && ray.z > 0.0 {
+            way = way.min(-ray.z / ray.slope);
         }
+        for mover in self.movers {
+            if let Some(hit) = mover.hit(ray) {
+                way = way.min(hit);
+            }
+        }
+        way = way.min(self.terrain.hit(ray).unwrap_or(f64::INFINITY));
+        if way <= reach { way } else { f64::INFINITY }
     }
-    if way <= reach { way } else { f64::INFINITY }
 }
 
 #[cfg(test)]

@@ -28,7 +28,10 @@ pub struct Body {
     /// In how many of them the robot's own motion was closing the distance.
     pub driven_contact_episodes: u32,
     hull: Hull,
+    height_m: f64,
     view: View,
+    /// What is between these heights, meters, is met; nothing where the view says so already.
+    heights_m: Option<[f64; 2]>,
     placed: PlacedHull,
     /// The hull can move this far before anything may be met, meters.
     free_m: f64,
@@ -41,7 +44,12 @@ impl Body {
     /// A robot that was just put down.
     pub fn new(robot: &Robot, place: &mut Place, map_from_base: Pose2) -> Self {
         let hull = robot.hull();
-        let view = View { z_min_m: 0.0, z_max_m: robot.height_m, with_glass: true };
+        let height_m = robot.height_m;
+        let view = if place.terrain.is_flat() {
+            View { z_min_m: 0.0, z_max_m: height_m, with_glass: true }
+        } else {
+            View { with_glass: true, ..View::ALL_HEIGHTS }
+        };
         let placed = PlacedHull::new(&hull);
         let mut body = Self {
             map_from_base,
@@ -49,7 +57,9 @@ impl Body {
             contact_episodes: 0,
             driven_contact_episodes: 0,
             hull,
+            height_m,
             view,
+            heights_m: None,
             placed,
             free_m: 0.0,
             touches: false,
@@ -57,6 +67,18 @@ impl Body {
         };
         body.measure(place);
         body
+    }
+
+    /// Stands at another height over the plain floor: other things are in the way. The hull is taken upright.
+    pub fn stand_at(&mut self, z_m: f64) {
+        self.heights_m = Some([z_m, z_m + self.height_m]);
+        self.surroundings_changed();
+    }
+
+    /// Is somewhere else, all of a sudden.
+    pub fn put(&mut self, map_from_base: Pose2) {
+        self.map_from_base = map_from_base;
+        self.surroundings_changed();
     }
 
     /// Drives along an arc until its end or a contact; the share of it that was driven.
@@ -96,6 +118,15 @@ impl Body {
     pub fn measure(&mut self, place: &mut Place) {
         let clearance_m = self.clearance_at(place, self.map_from_base);
         self.note(clearance_m);
+    }
+
+    /// Clearance that it would have at another place, standing at a height over the plain floor.
+    pub fn room_at_m(&mut self, place: &mut Place, map_from_base: Pose2, z_m: Option<f64>) -> f64 {
+        let here = self.heights_m;
+        self.heights_m = z_m.map(|z_m| [z_m, z_m + self.height_m]);
+        let room_m = self.clearance_at(place, map_from_base);
+        self.heights_m = here;
+        room_m
     }
 
     fn note(&mut self, clearance_m: f64) {
@@ -138,10 +169,21 @@ impl Body {
         let number = place.prepare(self.view);
         let cells = |point: Point| place.cells_from_map(map_from_base * point);
         self.placed.put(&self.hull, 1.0 / place.resolution_m, cells);
-        for mover in place.movers(self.view) {
+        let heights = self.heights_m.map(|heights_m| heights_m.map(|z_m| z_m / place.resolution_m));
+        let meets = |z_min: f64, z_max: f64| heights.is_none_or(|[low, high]| z_min <= high && z_max >= low);
+        for mover in place.movers(self.view).filter(|mover| meets(mover.z_min, mover.z_max)) {
             visit(&self.placed, &mover.footprint);
         }
-        place.lattice(number).around(&self.placed, |footprint| visit(&self.placed, footprint));
+        for barrier in &place.barriers {
+            visit(&self.placed, barrier);
+        }
+        let mut nearest = f64::INFINITY;
+        place.lattice(number).around(&self.placed, |footprint, [z_min, z_max]| {
+            if meets(z_min, z_max) {
+                nearest = visit(&self.placed, footprint);
+            }
+            nearest
+        });
     }
 
     /// Bearings in the base frame at which the hull touches something.

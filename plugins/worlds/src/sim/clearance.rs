@@ -127,9 +127,9 @@ fn cell_square(col: i64, row: i64) -> Footprint {
 }
 
 impl Lattice {
-    /// Calls `visit` with the footprint of everything that may be nearer to the hull than the distance `visit` last
+    /// Calls `visit` with footprint and heights of everything that may be nearer to the hull than the distance `visit` last
     /// returned; nearer rings of cells come first.
-    pub fn around(&self, hull: &PlacedHull, mut visit: impl FnMut(&Footprint) -> f64) {
+    pub fn around(&self, hull: &PlacedHull, mut visit: impl FnMut(&Footprint, [f64; 2]) -> f64) {
         let (col, row) = (hull.center.x.floor() as i64, hull.center.y.floor() as i64);
         let (width, height) = (self.width as i64, self.height as i64);
         let inside = (0..width).contains(&col) && (0..height).contains(&row);
@@ -162,7 +162,7 @@ impl Lattice {
         to: i64,
         is_row: bool,
         mut best: f64,
-        visit: &mut impl FnMut(&Footprint) -> f64,
+        visit: &mut impl FnMut(&Footprint, [f64; 2]) -> f64,
     ) -> f64 {
         let (lines, length) = if is_row { (self.height, self.width) } else { (self.width, self.height) };
         if !(0..lines as i64).contains(&line) {
@@ -178,10 +178,11 @@ impl Lattice {
                 continue;
             }
             if matches!(self.kind(cell), Kind::Wall | Kind::WalledAndListed) {
-                best = visit(&cell_square(col, row));
+                best = visit(&cell_square(col, row), [0.0, self.wall_height]);
             }
             for &solid in self.solids_in(cell) {
-                best = visit(&self.solids[solid as usize].footprint);
+                let solid = &self.solids[solid as usize];
+                best = visit(&solid.footprint, [solid.z_min, solid.z_max]);
             }
             at += 1;
         }
@@ -199,7 +200,7 @@ mod tests {
 
     fn nearest(lattice: &Lattice, hull: &PlacedHull) -> f64 {
         let mut best = f64::INFINITY;
-        lattice.around(hull, |footprint| {
+        lattice.around(hull, |footprint, _| {
             best = best.min(hull.to(footprint).distance);
             best
         });

@@ -2,15 +2,17 @@
 
 use std::path::PathBuf;
 
+use rumbo_core::frames::{Pose2, pose2};
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
 use rumbo_kit::world_file::Things;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::hardships::{Kidnap, Spin, Sway, Wheels};
 use super::slip::Slip;
 
-/// A simulated place in 2.5 dimensions: walls and objects with heights, glass, doors and people.
+/// A simulated place in 2.5 dimensions: walls and objects with heights, glass, ramps and steps, doors and people.
 #[derive(Debug, Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SimParams {
@@ -23,12 +25,24 @@ pub struct SimParams {
     #[schemars(schema_with = "slip_schema")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub slip: Option<Box<dyn Slip>>,
+    /// How the wheels take the ramps and steps of the world.
+    pub wheels: Wheels,
+    /// The body rolls and pitches on its wheels.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sway: Option<Sway>,
+    /// Somebody carries the robot away, such as `{ at_s = 30.0, to = { x_m = 1.0, y_m = 2.0, yaw_deg = 90.0 } }`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kidnap: Option<Kidnap>,
+    /// When or where the wheels spin in place, such as `[{ from_s = 10.0, to_s = 15.0 }]` or
+    /// `[{ area = [0.0, 0.0, 1.0, 1.0] }]`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub spins: Vec<Spin>,
     /// Things that stand in the world besides, with the keys of a world file, such as
     /// `{ box = [{ center = [2.0, 1.0], size = [0.5, 0.5] }] }`; they are on no map.
     #[schemars(schema_with = "things_schema")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub add: Option<Things>,
-    /// Names of boxes, doors and people of the world file that are not there; maps show them as before.
+    /// Names of boxes, ramps, steps, doors and people of the world file that are not there; maps show them as before.
     pub without: Vec<String>,
     /// Somebody who walks to and fro in front of the robot all the time.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -50,6 +64,11 @@ pub struct Start {
 }
 
 impl Start {
+    /// As a pose of the base.
+    pub fn map_from_base(&self) -> Pose2 {
+        pose2(self.x_m, self.y_m, self.yaw_deg.to_radians())
+    }
+
     /// What is no number, at this key.
     pub fn faults(&self, key: &str) -> Vec<BuildError> {
         let numbers = [("x_m", self.x_m), ("y_m", self.y_m), ("yaw_deg", self.yaw_deg)];
@@ -100,6 +119,10 @@ impl Default for SimParams {
             map: None,
             start: Start::default(),
             slip: None,
+            wheels: Wheels::default(),
+            sway: None,
+            kidnap: None,
+            spins: Vec::new(),
             add: None,
             without: Vec::new(),
             companion: None,
@@ -112,7 +135,8 @@ fn things_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let list = || schemars::json_schema!({ "type": "array", "items": { "type": "object" } });
     schemars::json_schema!({
         "type": ["object", "null"],
-        "properties": { "wall": list(), "box": list(), "door": list(), "person": list(), "mark": list() },
+        "properties": { "wall": list(), "box": list(), "ramp": list(), "step": list(), "door": list(),
+            "person": list(), "mark": list() },
         "additionalProperties": false
     })
 }
@@ -147,6 +171,10 @@ impl Params for SimParams {
         for (key, message) in self.slip.iter().flat_map(|slip| slip.faults()) {
             faults.push(BuildError::at(format!("slip.{key}"), message));
         }
+        faults.extend(self.wheels.faults());
+        faults.extend(self.sway.iter().flat_map(Sway::faults));
+        faults.extend(self.kidnap.iter().flat_map(Kidnap::faults));
+        faults.extend(self.spins.iter().enumerate().flat_map(|(idx, spin)| spin.faults(idx)));
         faults
     }
 }

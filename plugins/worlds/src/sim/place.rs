@@ -5,9 +5,11 @@ use rumbo_core::robot::Hull;
 use rumbo_kit::map_file::MapImage;
 use rumbo_kit::world_file::{Door, Material, WorldMark, WorldScene};
 
+use super::hardships::Wheels;
 use super::lattice::Lattice;
 use super::params::Companion;
 use super::solid::{Footprint, Point, Solid, Vector};
+use super::terrain::Terrain;
 use super::walker::Walker;
 
 /// What must be seen: which heights, and whether glass counts.
@@ -21,6 +23,12 @@ pub struct View {
     pub with_glass: bool,
 }
 
+impl View {
+    /// Everything opaque.
+    pub const ALL_HEIGHTS: Self =
+        Self { z_min_m: f64::NEG_INFINITY, z_max_m: f64::INFINITY, with_glass: false };
+}
+
 /// The surroundings of the robot.
 #[derive(Debug)]
 pub struct Place {
@@ -28,6 +36,10 @@ pub struct Place {
     pub resolution_m: f64,
     /// From the map's frame to the lattice's, both in meters.
     pub lattice_from_map: Pose2,
+    /// Raised floor.
+    pub terrain: Terrain,
+    /// Edges of raised floor that stop the robot, in cells.
+    pub barriers: Vec<Footprint>,
     /// Identified marks.
     pub marks: Vec<WorldMark>,
     /// Who walks in front of the robot.
@@ -120,6 +132,8 @@ impl Place {
         let mut place = Self {
             resolution_m,
             lattice_from_map,
+            terrain: Terrain::new(scene, &lattice_from_map, resolution_m),
+            barriers: Vec::new(),
             marks: scene.marks.clone(),
             companion: None,
             hull: None,
@@ -149,6 +163,25 @@ impl Place {
             .collect();
         place.set_time(0.0, &Pose2::identity());
         place
+    }
+
+    /// Raised floor stops wheels like these where it is too high or too steep.
+    pub fn bar(&mut self, wheels: &Wheels) {
+        let barriers = self.terrain.barriers(wheels.max_step_m, wheels.max_slope_deg.to_radians());
+        let in_cells = |point: Point| self.cells_from_map(point);
+        self.barriers = barriers
+            .iter()
+            .map(|[from, to]| Footprint::Segment { from: in_cells(*from), to: in_cells(*to) })
+            .collect();
+    }
+
+    /// What a sensor at a height must look at: on raised floor everything, as the height changes all the time.
+    pub fn view_at(&self, z_m: f64, with_glass: bool) -> View {
+        if self.terrain.is_flat() {
+            View { z_min_m: z_m, z_max_m: z_m, with_glass }
+        } else {
+            View { with_glass, ..View::ALL_HEIGHTS }
+        }
     }
 
     /// A solid given in the lattice frame in meters.

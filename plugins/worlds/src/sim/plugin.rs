@@ -5,9 +5,7 @@ use std::path::{Path, PathBuf};
 use rumbo_core::frames::{Point2, Pose2, Pose3, is_finite3, pose2};
 use rumbo_core::messages::{Command, Intrinsics, Marks};
 use rumbo_core::registry::{Params, Plugin};
-use rumbo_core::stages::{
-    Advance, Answer, Attitude, BuildContext, BuildError, Drove, Probe, Truth, World, WorldError,
-};
+use rumbo_core::stages::{Advance, Answer, BuildContext, BuildError, Drove, Probe, Truth, World, WorldError};
 use rumbo_core::time::Time;
 use rumbo_kit::map_file::{MapImage, load_map};
 use rumbo_kit::world_file::{Things, WorldScene, load_world};
@@ -15,7 +13,7 @@ use rumbo_kit::world_file::{Things, WorldScene, load_world};
 use super::beams::{Fan, Ring};
 use super::params::{SimParams, Start};
 use super::place::{Extent, Place};
-use super::simulation::Simulation;
+use super::simulation::{Hardships, Simulation};
 
 rumbo_core::register_world!(
     SimParams,
@@ -62,19 +60,17 @@ impl Plugin<dyn World> for SimParams {
         }
         let mut place = Place::new(&scene, image.as_ref());
         place.companion = self.companion;
-        let Start { x_m, y_m, yaw_deg } = self.start;
-        let start = pose2(x_m, y_m, yaw_deg.to_radians());
+        let start = self.start.map_from_base();
         if let Some(image) = &image {
-            check_on_map(image, start)?;
+            check_on_map(image, start, "start")?;
         }
-        let simulation = Simulation::new(place, &context.robot, start, self.slip.clone(), context.rng());
-        let clearance_m = simulation.truth().clearance_m;
-        if clearance_m <= 0.0 {
-            let message = format!(
-                "the robot's hull overlaps something by {:.3} m at x_m = {x_m}, y_m = {y_m}, yaw_deg = {yaw_deg}",
-                clearance_m.abs()
-            );
-            return Err(BuildError::at("start", message).help("choose a start in free space"));
+        if let (Some(image), Some(kidnap)) = (&image, &self.kidnap) {
+            check_on_map(image, kidnap.to.map_from_base(), "kidnap.to")?;
+        }
+        let mut simulation = Simulation::new(place, &context.robot, start, self.hardships(), context.rng());
+        check_is_free(simulation.truth().clearance_m, self.start, "start")?;
+        if let Some(kidnap) = &self.kidnap {
+            check_is_free(simulation.room_at_m(kidnap.to.map_from_base()), kidnap.to, "kidnap.to")?;
         }
         let (contacts_rad, marks) = (Vec::with_capacity(16), Marks::default());
         Ok(Box::new(SimWorld { simulation, start, map_file: path, contacts_rad, marks }))
@@ -82,11 +78,23 @@ impl Plugin<dyn World> for SimParams {
 }
 
 impl SimParams {
+    fn hardships(&self) -> Hardships {
+        Hardships {
+            slip: self.slip.clone(),
+            wheels: self.wheels,
+            sway: self.sway,
+            kidnap: self.kidnap,
+            spins: self.spins.clone(),
+        }
+    }
+
     /// What the pipeline takes from the world file and adds to it.
     fn furnish(&self, scene: &mut WorldScene) -> Result<(), BuildError> {
         for (idx, name) in self.without.iter().enumerate() {
             if !scene.remove(name) {
-                let message = format!("is \"{name}\", and the world has no box, door or person of this name");
+                let message = format!(
+                    "is \"{name}\", and the world has no box, ramp, step, door or person of this name"
+                );
                 return Err(BuildError::at(format!("without[{idx}]"), message));
             }
         }
@@ -98,8 +106,21 @@ impl SimParams {
     }
 }
 
-/// The start must lie on the background map.
-fn check_on_map(image: &MapImage, start: Pose2) -> Result<(), BuildError> {
+/// The robot must find room where it is put.
+fn check_is_free(clearance_m: f64, place: Start, key: &str) -> Result<(), BuildError> {
+    if clearance_m > 0.0 {
+        return Ok(());
+    }
+    let Start { x_m, y_m, yaw_deg } = place;
+    let message = format!(
+        "the robot's hull overlaps something by {:.3} m at x_m = {x_m}, y_m = {y_m}, yaw_deg = {yaw_deg}",
+        clearance_m.abs()
+    );
+    Err(BuildError::at(key, message).help("choose a start in free space"))
+}
+
+/// The robot must be put on the background map.
+fn check_on_map(image: &MapImage, start: Pose2, key: &str) -> Result<(), BuildError> {
     let [x, y, yaw] = image.origin;
     let on_map = pose2(x, y, yaw).inverse() * Point2::from(start.translation.vector);
     let (width_m, height_m) =
@@ -111,7 +132,7 @@ fn check_on_map(image: &MapImage, start: Pose2) -> Result<(), BuildError> {
         "({}, {}) is outside the map, which covers {width_m:.2} m by {height_m:.2} m from its corner at ({x}, {y})",
         start.translation.x, start.translation.y
     );
-    Err(BuildError::at("start", message).help("choose a start on the map"))
+    Err(BuildError::at(key, message).help("choose a place on the map"))
 }
 
 impl World for SimWorld {
@@ -162,14 +183,7 @@ impl World for SimWorld {
                 )))
             }
             Probe::Wheels => Ok(Answer::Wheels(simulation.drive.wheels)),
-            Probe::Attitude => {
-                let truth = simulation.truth();
-                Ok(Answer::Attitude(Attitude {
-                    attitude_rad: [0.0, 0.0, simulation.body.map_from_base.rotation.angle()],
-                    rates_rad_s: [0.0, 0.0, truth.twist.turn_rad_s],
-                    accelerations_m_s2: simulation.specific_force_m_s2(),
-                }))
-            }
+            Probe::Attitude => Ok(Answer::Attitude(simulation.attitude())),
             Probe::Position => {
                 Ok(Answer::Position(simulation.truth().map_from_base.translation.vector.into()))
             }

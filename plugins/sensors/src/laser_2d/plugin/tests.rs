@@ -95,6 +95,30 @@ fn the_seed_and_the_name_decide_the_noise() {
 }
 
 #[test]
+fn a_silent_laser_gives_nothing_and_a_spoiled_one_rubbish() {
+    let scans = |faults: ScanFaultParams| {
+        let mut sensor = Laser2dParams { faults, ..params(GaussianNoise::default()) }
+            .build(&BuildContext::bare("sensor"))
+            .unwrap();
+        let (mut out, trace) = (Observations::default(), Trace::unwatched());
+        for second in 0..4 {
+            let now = Time::from_secs(f64::from(second));
+            sensor.poll(&mut Cx { now, trace: &trace }, &mut TestWorld::with_wall(3.0), &mut out).unwrap();
+        }
+        given(&out)
+    };
+    let stamps: Vec<f64> = scans(ScanFaultParams { silent_from_s: 1.0, silent_for_s: 2.0, corrupt: 0.0 })
+        .iter()
+        .map(|observation| observation.stamp.as_secs())
+        .collect();
+    assert_eq!(stamps, [0.0, 3.0]);
+    for observation in scans(ScanFaultParams { corrupt: 1.0, ..ScanFaultParams::default() }) {
+        let Data::LaserScan(scan) = &observation.data else { panic!() };
+        assert!((scan.ranges_m[45] - 3.0).abs() > 1e-6, "the exact range by chance");
+    }
+}
+
+#[test]
 fn a_recording_is_passed_on_with_its_stamps() {
     let stamp = Time(123);
     let data = Data::LaserScan(LaserScan { ranges_m: vec![1.0f32].into(), ..LaserScan::default() });
@@ -130,9 +154,13 @@ fn impossible_lasers_are_named() {
         min_range_m: f64::NAN,
         max_range_m: -1.0,
         noise: Box::new(GaussianNoise { dropout: 2.0, ..GaussianNoise::default() }),
+        faults: ScanFaultParams { corrupt: 2.0, ..ScanFaultParams::default() },
     };
     let keys: Vec<String> = bad.check().into_iter().map(|fault| fault.path).collect();
-    assert_eq!(keys, ["field_of_view_deg", "step_deg", "min_range_m", "max_range_m", "noise.dropout"]);
+    assert_eq!(
+        keys,
+        ["field_of_view_deg", "step_deg", "min_range_m", "max_range_m", "noise.dropout", "faults.corrupt"]
+    );
     assert!(Laser2dParams::default().check().is_empty());
     assert!(Laser2dParams { step_deg: 1e-6, ..Laser2dParams::default() }.check().len() == 1);
 }

@@ -152,8 +152,8 @@ fn a_bad_start_or_map_is_told_with_its_key() {
 fn a_start_beside_the_map_is_refused() {
     let image =
         MapImage { width: 10, height: 20, resolution_m: 0.1, origin: [1.0, 1.0, 0.0], cells: vec![0; 200] };
-    assert!(check_on_map(&image, pose2(1.5, 2.5, 0.0)).is_ok());
-    let error = check_on_map(&image, pose2(2.5, 1.5, 0.0)).unwrap_err();
+    assert!(check_on_map(&image, pose2(1.5, 2.5, 0.0), "start").is_ok());
+    let error = check_on_map(&image, pose2(2.5, 1.5, 0.0), "start").unwrap_err();
     assert!(error.message.contains("covers 1.00 m by 2.00 m from its corner at (1, 1)"), "{}", error.message);
 }
 
@@ -235,4 +235,120 @@ speed_m_s = 0.0
     assert_eq!(error, WorldError::Unsupported { probe: "person of this name" });
     // On the way back along the route.
     assert_eq!(at("anna", 11.0).unwrap(), "Position([3.0, 3.0, 0.0])");
+}
+
+/// A slope of 3 in 4 begins at x = 2 and ends in a platform of 1.5 m at x = 4; a wall of 4 m stands at x = 9.
+const HILL: &str = "[[ramp]]\ncenter = [3, 0]\nsize = [2, 4]\nz_to_m = 1.5\n\
+                    [[step]]\ncenter = [6, 0]\nsize = [4, 4]\nheight_m = 1.5\n\
+                    [[wall]]\nfrom = [9, -5]\nto = [9, 5]\nheight_m = 4\n";
+
+fn hill(name: &str, more: &str) -> Box<dyn World> {
+    let with: SimParams = toml::from_str(more).unwrap();
+    SimParams { map: params(name, HILL).map, ..with }.build(&BuildContext::bare("world")).unwrap()
+}
+
+#[test]
+fn a_robot_drives_up_a_ramp_and_its_sensors_tilt_with_it() {
+    let mut world = hill("hill", "");
+    // Level, 0.3 m over the floor: the ramp is as high 0.4 m after its foot.
+    assert!((ahead_m(world.as_mut()) - 2.4).abs() < 1e-6);
+    world.drive(&command(0.5, 0.0)).unwrap();
+    world.advance(Time::from_secs(6.5)).unwrap();
+    let truth = *world.truth().unwrap();
+    let at = truth.map_from_base.translation;
+    assert!(at.x > 2.5 && at.x < 3.6, "{at}");
+    assert!((at.z - (at.x - 2.0) * 0.75).abs() < 1e-9, "{at}");
+    let Ok(Answer::Attitude(attitude)) = world.probe(&Probe::Attitude) else { panic!("no attitude") };
+    assert!((attitude.attitude_rad[1] + 0.6f64.asin()).abs() < 1e-9, "{attitude:?}");
+    assert!((attitude.accelerations_m_s2[0] - 9.81 * 0.6).abs() < 1e-6, "{attitude:?}");
+    // The beam is parallel to the slope and leaves over the platform; the wall is 4 m high.
+    let mount = truth.map_from_base * nalgebra::Point3::new(0.0, 0.0, 0.3);
+    let expected = (4.0 - mount.z) / 0.6;
+    assert!(expected < (9.0 - mount.x) / 0.8, "over the wall");
+    assert!(ahead_m(world.as_mut()).is_infinite());
+    // Backwards it looks down and meets the floor before the ramp.
+    let behind = Pose3::translation(0.0, 0.0, 0.3)
+        * nalgebra::UnitQuaternion::from_euler_angles(0.0, 0.0, std::f64::consts::PI);
+    let probe = Probe::Beams {
+        base_from_sensor: &behind,
+        first_bearing_rad: 0.0,
+        bearing_step_rad: 0.1,
+        n_beams: 1,
+        max_range_m: 20.0,
+    };
+    let Ok(Answer::Ranges(&[range_m])) = world.probe(&probe) else { panic!("no range") };
+    assert!((f64::from(range_m) - mount.z / 0.6).abs() < 1e-5, "{range_m}");
+    assert_eq!(world.probe(&Probe::Position).unwrap(), Answer::Position(at.vector.into()));
+    // On the way up the wheels roll more than the map shows.
+    let Ok(Answer::Wheels(wheels)) = world.probe(&Probe::Wheels) else { panic!("no wheels") };
+    assert!(wheels.rolled_m[0] > at.x + 0.15, "{wheels:?}");
+    world.advance(Time::from_secs(12.0)).unwrap();
+    let at = world.truth().unwrap().map_from_base.translation;
+    assert!((at.z - 1.5).abs() < 1e-9 && at.x > 4.5, "{at}");
+    assert!((ahead_m(world.as_mut()) - (9.0 - at.x) as f32).abs() < 1e-5);
+}
+
+#[test]
+fn edges_that_are_too_high_and_ramps_that_are_too_steep_stop_the_robot() {
+    let x_after = |more: &str| {
+        let mut world = hill("edges", more);
+        world.drive(&command(0.5, 0.0)).unwrap();
+        world.advance(Time::from_secs(30.0)).unwrap();
+        let truth = *world.truth().unwrap();
+        (truth.map_from_base.translation.x, truth.driven_contact_episodes)
+    };
+    let (x_m, contacts) = x_after("wheels = { max_slope_deg = 30.0 }");
+    assert!((x_m - 1.8).abs() < 1e-3 && contacts == Some(1), "at the ramp's foot: {x_m}");
+    let (x_m, contacts) = x_after("");
+    assert!((x_m - 7.8).abs() < 1e-3 && contacts == Some(1), "at the platform's end: {x_m}");
+}
+
+#[test]
+fn things_that_stand_lower_or_hang_higher_than_the_robot_are_not_in_its_way() {
+    let low =
+        "add = { box = [{ center = [6, 0], size = [0.2, 0.2], z_max_m = 1.4 }] }\nstart = { x_m = 5.0 }";
+    let clearance = |more: &str| hill("low", more).truth().unwrap().clearance_m;
+    // To the platform's end at x = 8 or its sides at y = 2.
+    assert!((clearance(low) - 1.8).abs() < 1e-6, "{}", clearance(low));
+    assert!((clearance(&low.replace("1.4", "1.6")) - 0.7).abs() < 1e-6);
+    assert!((clearance(&low.replace("z_max_m = 1.4", "z_min_m = 2.1, z_max_m = 3.0")) - 1.8).abs() < 1e-6);
+}
+
+#[test]
+fn a_kidnapped_robot_is_elsewhere_and_its_wheels_know_nothing() {
+    let text = "kidnap = { at_s = 2.0, to = { x_m = 2.0, y_m = 1.0, yaw_deg = 90.0 } }";
+    let build = |text: &str| {
+        let with: SimParams = toml::from_str(text).unwrap();
+        SimParams { map: params("kidnap", WALLS).map, ..with }.build(&BuildContext::bare("world"))
+    };
+    let mut world = build(text).unwrap();
+    world.advance(Time::from_secs(2.0)).unwrap();
+    assert_eq!(world.truth().unwrap().map_from_base.translation.x, 0.0);
+    world.advance(Time::from_secs(2.01)).unwrap();
+    let truth = *world.truth().unwrap();
+    assert!((truth.map_from_base.translation.vector - nalgebra::Vector3::new(2.0, 1.0, 0.0)).norm() < 1e-12);
+    assert!((truth.clearance_m - 2.8).abs() < 1e-9, "{}", truth.clearance_m);
+    let Ok(Answer::Wheels(wheels)) = world.probe(&Probe::Wheels) else { panic!("no wheels") };
+    assert_eq!(wheels.rolled_m[0], 0.0);
+    assert_eq!(build(&text.replace("x_m = 2.0", "x_m = 4.95")).err().unwrap().path, "kidnap.to");
+}
+
+#[test]
+fn wheels_that_spin_turn_and_the_robot_stays() {
+    let mut world = SimParams {
+        spins: vec![super::super::Spin { from_s: 2.0, to_s: Some(4.0), area: None }],
+        ..params("spins", WALLS)
+    }
+    .build(&BuildContext::bare("world"))
+    .unwrap();
+    world.drive(&command(0.5, 0.0)).unwrap();
+    let mut at = |seconds: f64| {
+        world.advance(Time::from_secs(seconds)).unwrap();
+        let Ok(Answer::Wheels(wheels)) = world.probe(&Probe::Wheels) else { panic!("no wheels") };
+        (world.truth().unwrap().map_from_base.translation.x, wheels.rolled_m[0])
+    };
+    let before = at(2.0);
+    let after = at(4.0);
+    assert!((after.0 - before.0).abs() < 1e-12 && (after.1 - before.1 - 1.0).abs() < 1e-9, "{after:?}");
+    assert!(at(5.0).0 > after.0 + 0.45);
 }
