@@ -7,14 +7,20 @@
 mod area;
 mod beam_ends;
 mod evidence;
+mod gate;
 mod line;
 mod painter;
+mod pyramid;
+mod scan_mapper;
 
 pub use area::AreaFill;
 pub use beam_ends::{BeamEnd, BeamEnds, BeamLimits, Mount2};
 pub use evidence::{Evidence, EvidenceFault};
+pub use gate::UpdateGate;
 pub use line::line_cells;
 pub use painter::{FreeSpace, ScanPainter};
+pub use pyramid::{Grown, Pyramid};
+pub use scan_mapper::{Inserted, MapperSettings, ScanMapper};
 
 /// The largest whole number that is not above `value`, without a call into the mathematics library.
 #[inline(always)]

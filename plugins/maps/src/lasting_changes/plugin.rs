@@ -8,7 +8,6 @@ use super::memory_file::{memory_bytes, memory_of};
 use super::params::LastingChangesParams;
 use super::raster::Raster;
 use super::visit::Visit;
-use crate::occupancy_grid::UpdateGate;
 use crate::scan_poses::ScanPoses;
 use rumbo_core::frames::{Pose2, is_finite2};
 use rumbo_core::map::{CellClass, Grid, Layer, Map};
@@ -16,6 +15,7 @@ use rumbo_core::messages::{Check, Estimate, LaserScan, Observation, ObservationK
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, MapBuilder, MapError, MapInput};
 use rumbo_core::time::Time;
+use rumbo_kit::occupancy::UpdateGate;
 use std::path::Path;
 
 rumbo_core::register_map_builder!(

@@ -3,7 +3,7 @@
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
 use rumbo_kit::map_file::DEFAULT_MAX_CELLS;
-use rumbo_kit::occupancy::{BeamLimits, Evidence, EvidenceFault, FreeSpace};
+use rumbo_kit::occupancy::{BeamLimits, Evidence, EvidenceFault, FreeSpace, MapperSettings, Pyramid};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -168,13 +168,28 @@ impl OccupancyGridParams {
         Evidence::new(self.update_factor_free, self.update_factor_occupied, self.p_min, self.p_max)
     }
 
-    pub(super) fn limits(&self) -> BeamLimits {
+    pub(super) fn mapper(&self, evidence: Evidence) -> MapperSettings {
+        MapperSettings {
+            evidence,
+            pyramid: Pyramid {
+                resolution_m: self.resolution_m,
+                levels: self.levels,
+                block_cells: self.grow_block_cells,
+                max_cells: self.max_cells,
+            },
+            limits: self.limits(),
+            free_space: self.free_space(),
+            auto_grow: self.auto_grow,
+        }
+    }
+
+    fn limits(&self) -> BeamLimits {
         let clear_range_m =
             if self.clear_on_no_return { self.clear_range_m.unwrap_or(self.max_range_m) } else { 0.0 };
         BeamLimits { min_range_m: self.min_range_m, max_range_m: self.max_range_m, clear_range_m }
     }
 
-    pub(super) fn free_space(&self) -> FreeSpace {
+    fn free_space(&self) -> FreeSpace {
         match self.free_space {
             FreeSpaceRule::Beams => FreeSpace::Beams,
             FreeSpaceRule::Area => FreeSpace::Area { widest_wedge_rad: self.widest_wedge_deg.to_radians() },

@@ -6,12 +6,9 @@ use rumbo_core::messages::{LaserScan, Observation, ObservationKind, SensorId, St
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, MapBuilder, MapError, MapInput};
 use rumbo_core::time::Time;
-use rumbo_kit::GridSize;
-use rumbo_kit::occupancy::{BeamEnd, BeamEnds, Evidence, Mount2, ScanPainter};
+use rumbo_kit::occupancy::{Inserted, ScanMapper, UpdateGate};
 
-use super::gate::UpdateGate;
 use super::params::OccupancyGridParams;
-use super::pyramid::{Grown, Pyramid};
 use crate::scan_poses::ScanPoses;
 
 rumbo_core::register_map_builder!(
@@ -24,13 +21,10 @@ rumbo_core::register_map_builder!(
 #[derive(Debug)]
 pub struct OccupancyGrid {
     params: OccupancyGridParams,
-    evidence: Evidence,
-    pyramid: Pyramid,
+    mapper: ScanMapper,
     sources: Vec<Source>,
     is_blank: bool,
     poses: ScanPoses,
-    beams: BeamEnds,
-    painter: ScanPainter,
     has_told_full: bool,
 }
 
@@ -84,18 +78,10 @@ impl Plugin<dyn MapBuilder> for OccupancyGridParams {
         }
         let evidence = self.evidence().map_err(|_| BuildError::at("", "impossible evidence"))?;
         Ok(Box::new(OccupancyGrid {
-            evidence,
-            pyramid: Pyramid {
-                resolution_m: self.resolution_m,
-                levels: self.levels,
-                block_cells: self.grow_block_cells,
-                max_cells: self.max_cells,
-            },
+            mapper: ScanMapper::new(self.mapper(evidence)),
             sources: Vec::new(),
             is_blank: true,
             poses: ScanPoses::new(self.max_pose_age_s),
-            beams: BeamEnds::default(),
-            painter: ScanPainter::default(),
             has_told_full: false,
             params: self.clone(),
         }))
@@ -127,7 +113,7 @@ impl MapBuilder for OccupancyGrid {
 impl OccupancyGrid {
     fn lay(&mut self, map: &mut Map, around: Point2) -> Result<(), MapError> {
         let share = [self.params.start_x, self.params.start_y];
-        self.pyramid.lay(map, self.params.size_cells, around, share)?;
+        self.mapper.pyramid().lay(map, self.params.size_cells, around, share)?;
         self.sources.clear();
         self.is_blank = true;
         map.touch();
@@ -169,20 +155,17 @@ impl OccupancyGrid {
         {
             return Ok(Some(Skipped::HardlyMoved));
         }
-        if self.is_blank || !self.pyramid.fits(map) {
+        if self.is_blank || !self.mapper.pyramid().fits(map) {
             self.lay(map, map_from_base.translation.vector.into())?;
         }
         // Laying a new grid forgets the scanners.
         let source = self.source(observation.sensor);
-        self.place(observation, scan, &map_from_base, map);
-        if self.beams.ends.iter().all(|end| *end == BeamEnd::Nothing) {
-            return Ok(Some(Skipped::NoHits));
-        }
-        if self.params.auto_grow && self.grow(map)? {
-            self.place(observation, scan, &map_from_base, map);
-        }
-        if !self.paint(map) {
-            return Ok(Some(Skipped::BesideTheMap));
+        let inserted = self.mapper.insert(scan, &map_from_base, &observation.base_from_sensor, map)?;
+        match inserted {
+            Inserted::Empty => return Ok(Some(Skipped::NoHits)),
+            Inserted::Cut if !self.has_told_full => return Err(self.full()),
+            Inserted::Beside => return Ok(Some(Skipped::BesideTheMap)),
+            Inserted::Whole | Inserted::Cut => {}
         }
         self.is_blank = false;
         self.sources[source].gate.close(&map_from_base);
@@ -200,51 +183,14 @@ impl OccupancyGrid {
         })
     }
 
-    fn place(&mut self, observation: &Observation, scan: &LaserScan, map_from_base: &Pose2, map: &Map) {
-        let Some(grid) = &map.grid else { return };
-        let grid_from_base = grid.grid_from_map() * map_from_base;
-        let mount = Mount2::new(&grid_from_base, &observation.base_from_sensor, grid.resolution_m());
-        self.beams.place(scan, &mount, &self.params.limits());
-    }
-
-    /// Makes room for the sensor and what it hit. Returns whether the grid changed.
-    fn grow(&mut self, map: &mut Map) -> Result<bool, MapError> {
-        let origin = self.beams.origin.map(f64::from);
-        let hits = self.beams.ends.iter().enumerate().filter(|(_, end)| **end == BeamEnd::Hit);
-        let (mut low, mut high) = (origin, origin);
-        for (idx, _) in hits {
-            for (axis, end) in [self.beams.x[idx], self.beams.y[idx]].into_iter().enumerate() {
-                low[axis] = low[axis].min(f64::from(end));
-                high[axis] = high[axis].max(f64::from(end));
-            }
-        }
-        match self.pyramid.make_room(map, low, high)? {
-            Grown::Fits => Ok(false),
-            Grown::Grew => Ok(true),
-            Grown::TooLarge if !self.has_told_full => {
-                self.has_told_full = true;
-                let most = self.params.max_cells;
-                Err(MapError::Other(format!(
-                    "the grid cannot grow beyond max_cells = {most}, and what lies beside it is left out; raise max_cells \
-                     or resolution_m"
-                )))
-            }
-            // The cells that are there are still worth having; only a robot beside them has nothing to say.
-            Grown::TooLarge => Ok(self.pyramid.make_room(map, origin, origin)? == Grown::Grew),
-        }
-    }
-
-    /// Puts the placed beams into every level. Returns whether the robot stands on the map.
-    fn paint(&mut self, map: &mut Map) -> bool {
-        let (evidence, free_space) = (self.evidence, self.params.free_space());
-        let mut is_on_map = false;
-        for (k, grid) in map.grid.iter_mut().chain(&mut map.coarse_grids).enumerate() {
-            let size = GridSize::new(grid.width() as usize, grid.height() as usize);
-            let scale = 0.5f32.powi(k as i32);
-            let cells = grid.cells.make_mut();
-            is_on_map = self.painter.paint(cells, size, &self.beams, scale, free_space, &evidence);
-        }
-        is_on_map
+    /// Said once.
+    fn full(&mut self) -> MapError {
+        self.has_told_full = true;
+        let most = self.params.max_cells;
+        MapError::Other(format!(
+            "the grid cannot grow beyond max_cells = {most}, and what lies beside it is left out; raise max_cells \
+             or resolution_m"
+        ))
     }
 }
 
