@@ -32,7 +32,7 @@ impl Engine {
     fn look_through_obstacles(&mut self) {
         let map_from_odom = flatten(&self.localization.estimate.map_from_odom);
         let mut n_obstacles = 0;
-        for observation in self.ring.newest(self.n_new) {
+        for observation in self.ring.newest_unreplaced(self.n_new) {
             let map_from_base = map_from_odom * self.track.at(observation.stamp);
             n_obstacles += self.navigator.memory.look(observation, &map_from_base, &mut self.out);
         }

@@ -139,7 +139,7 @@ impl Engine {
         let pipeline = builder.pipeline;
         let script = ScriptedDrive::of(pipeline)?;
         let mut schedule = Schedule::from(world.now());
-        let ring = Ring::new(RING, pipeline.odometer.is_some());
+        let ring = Ring::new(RING, pipeline.odometer.is_some()).replacing(pipeline.replaced());
         let sensors = sensors(builder, &mut schedule)?;
         let odometer = odometer(builder, &mut schedule, &ring)?;
         let localization = localization(builder, &mut schedule, &ring)?;

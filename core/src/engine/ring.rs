@@ -1,6 +1,6 @@
 //! The observations of the last moments, and who has seen what.
 
-use crate::messages::{Data, Observation, Observations, Seen, SensorId};
+use crate::messages::{Data, Observation, ObservationKind, Observations, Seen, SensorId};
 use std::collections::VecDeque;
 
 /// How far one stage has read.
@@ -10,9 +10,9 @@ pub struct Cursor(u64);
 /// Which observations a stage gets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Filter<'a> {
-    /// Everything but what the odometer seat hides.
+    /// Everything but what the odometer seat hides and what virtual sensors replace.
     Public,
-    /// Everything, raw odometry included: for the odometer seat itself.
+    /// Everything that virtual sensors do not replace, raw odometry included: for the odometer seat itself.
     Raw,
     /// Only these sensors': for a virtual sensor.
     Of(&'a [SensorId]),
@@ -25,6 +25,7 @@ pub struct Ring {
     capacity: usize,
     first: u64,
     has_odometer: bool,
+    replaced: Vec<(SensorId, ObservationKind)>,
     order: Vec<u32>,
 }
 
@@ -32,7 +33,12 @@ impl Ring {
     /// A ring of this many observations; with an odometer seat, other odometry is hidden from all but that seat.
     pub fn new(capacity: usize, has_odometer: bool) -> Ring {
         let (items, order) = (VecDeque::with_capacity(capacity + 1), Vec::with_capacity(capacity));
-        Ring { items, capacity, first: 0, has_odometer, order }
+        Ring { items, capacity, first: 0, has_odometer, replaced: Vec::new(), order }
+    }
+
+    /// The same; what these sensors say of these kinds is for virtual sensors only, which say it better.
+    pub fn replacing(self, replaced: Vec<(SensorId, ObservationKind)>) -> Ring {
+        Ring { replaced, ..self }
     }
 
     /// A cursor that will see everything from now on.
@@ -73,10 +79,11 @@ impl Ring {
         self.order.clear();
         for (idx, item) in self.items.iter().enumerate().skip(skip) {
             let wanted = match filter {
-                Filter::Raw => item.sensor != SensorId::ODOMETER,
+                Filter::Raw => item.sensor != SensorId::ODOMETER && !is_replaced(&self.replaced, item),
                 Filter::Of(sensors) => sensors.contains(&item.sensor),
                 Filter::Public => {
                     !(self.has_odometer && item.sensor != SensorId::ODOMETER && is_odometry(item))
+                        && !is_replaced(&self.replaced, item)
                 }
             };
             if wanted {
@@ -102,10 +109,22 @@ impl Ring {
         slice.get(slice.len().saturating_sub(n)..).unwrap_or(&[])
     }
 
+    /// The newest `n` observations without those that virtual sensors replace, in the order of their arrival.
+    pub fn newest_unreplaced(&self, n: usize) -> impl Iterator<Item = &Observation> {
+        let newest = self.items.iter().skip(self.items.len().saturating_sub(n));
+        newest.filter(|item| !is_replaced(&self.replaced, item))
+    }
+
     /// A cursor in front of the newest `n` observations.
     pub fn before_newest(&self, n: usize) -> Cursor {
         Cursor(self.first + self.items.len().saturating_sub(n) as u64)
     }
+}
+
+fn is_replaced(replaced: &[(SensorId, ObservationKind)], item: &Observation) -> bool {
+    let is_it =
+        |(sensor, kind): &(SensorId, ObservationKind)| *sensor == item.sensor && *kind == item.data.kind();
+    replaced.iter().any(is_it)
 }
 
 fn is_odometry(item: &Observation) -> bool {
@@ -162,6 +181,20 @@ mod tests {
         ring.push(odometry(SensorId::ODOMETER.0), &mut pool);
         assert_eq!(stamps(ring.seen(cursor, Filter::Public)), [(1, SensorId::ODOMETER.0)]);
         assert_eq!(stamps(ring.seen(cursor, Filter::Raw)), [(1, 4)]);
+    }
+
+    #[test]
+    fn what_a_virtual_sensor_replaces_is_for_virtual_sensors_only() {
+        let mut pool = Observations::default();
+        let mut ring = Ring::new(8, false).replacing(vec![(SensorId(0), ObservationKind::SteeringAngle)]);
+        let cursor = ring.cursor();
+        let other_kind = Observation { data: Data::Odometry(Odometry::default()), ..at(2, 0) };
+        [at(1, 0), other_kind, at(3, 1)].into_iter().for_each(|item| ring.push(item, &mut pool));
+        assert_eq!(stamps(ring.seen(cursor, Filter::Public)), [(2, 0), (3, 1)]);
+        assert_eq!(stamps(ring.seen(cursor, Filter::Raw)), [(2, 0), (3, 1)]);
+        assert_eq!(stamps(ring.seen(cursor, Filter::Of(&[SensorId(0)]))), [(1, 0), (2, 0)]);
+        let newest: Vec<i64> = ring.newest_unreplaced(3).map(|item| item.stamp.0).collect();
+        assert_eq!((newest, ring.newest(3).len()), (vec![2, 3], 3));
     }
 
     #[test]

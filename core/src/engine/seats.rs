@@ -118,7 +118,12 @@ pub(super) fn task(rate: Option<Rate>, schedule: &mut Schedule) -> Option<TaskId
 pub(super) fn watched(pipeline: &Pipeline) -> Vec<SensorId> {
     let sensors = pipeline.sensors.iter().enumerate();
     let has_odometer = pipeline.odometer.is_some();
-    let watched = sensors.filter(|(_, spec)| spec.stage.manifest().is_watched(has_odometer));
+    let replaced = pipeline.replaced();
+    let watched = sensors.filter(|(idx, spec)| {
+        let mut manifest = spec.stage.manifest();
+        manifest.produces.retain(|kind| !replaced.contains(&(SensorId(*idx as u16), *kind)));
+        manifest.is_watched(has_odometer)
+    });
     let odometer = pipeline.odometer.as_ref().map(|_| SensorId::ODOMETER);
     watched.map(|(idx, _)| SensorId(idx as u16)).chain(odometer).collect()
 }

@@ -89,7 +89,7 @@ impl Engine {
                 self.track.push(observation.stamp, odometry);
             }
         }
-        for observation in self.ring.newest(self.n_new) {
+        for observation in self.ring.newest_unreplaced(self.n_new) {
             self.guard.see(observation, &self.track.at(observation.stamp));
         }
         self.times.add(Part::Localizer, clock);

@@ -101,7 +101,7 @@ impl Engine {
     /// Looks whether the robot makes way, where the mission asks for it.
     pub(super) fn watch_for_stalls(&mut self) {
         let Some(monitor) = &mut self.stall else { return };
-        for observation in self.ring.newest(self.n_new) {
+        for observation in self.ring.newest_unreplaced(self.n_new) {
             monitor.closest.see(observation, &self.track.at(observation.stamp));
         }
         // What a recording did is no fault of this mission.

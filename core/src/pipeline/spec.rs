@@ -3,6 +3,7 @@
 use super::{Mission, PipelineTest};
 use crate::frames::Pose3;
 use crate::map::Layer;
+use crate::messages::{ObservationKind, SensorId};
 use crate::registry::{Configured, Entry, Manifest};
 use crate::robot::Robot;
 use crate::time::{Span, Time};
@@ -125,6 +126,22 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
+    /// What virtual sensors say instead of their inputs: a virtual sensor that makes the kind of observation that an input
+    /// makes, makes it better, and everybody else gets the better one only.
+    pub fn replaced(&self) -> Vec<(SensorId, ObservationKind)> {
+        let mut replaced = Vec::new();
+        for sensor in &self.sensors {
+            let made = sensor.stage.manifest().produces;
+            for input in &sensor.inputs {
+                let Some(spec) = self.sensors.get(*input) else { continue };
+                let given = spec.stage.manifest().produces;
+                let same = given.into_iter().filter(|kind| made.contains(kind));
+                replaced.extend(same.map(|kind| (SensorId(*input as u16), kind)));
+            }
+        }
+        replaced
+    }
+
     /// Every stage but the world, in the order of the data.
     pub fn stages(&self) -> impl Iterator<Item = &StageSpec> {
         let sensors = self.sensors.iter().map(|sensor| &sensor.stage);

@@ -1,0 +1,117 @@
+//! What else is known of the motion: which way is up, that the robot stands, that it does not slide (section 10.3).
+
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, SVector, Unit, Vector2, Vector3};
+
+use super::model::{ATTITUDE, GRAVITY_M_S2, GYRO_BIAS, ImuSample, NavState, VELOCITY};
+use super::settings::NavSettings;
+
+/// A measurement of the state: what it differs from the expected by, how it depends on the errors, its covariance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aid<const M: usize> {
+    /// Measured less expected.
+    pub innovation: SVector<f64, M>,
+    /// How it depends on the errors.
+    pub h: SMatrix<f64, M, 15>,
+    /// Its covariance.
+    pub r: SMatrix<f64, M, M>,
+}
+
+/// Roll and pitch of a body at rest by its specific forces.
+pub fn leveled_angles(forces_m_s2: &Vector3<f64>) -> [f64; 2] {
+    let [x, y, z] = (*forces_m_s2).into();
+    [y.atan2(z), (-x).atan2(y.hypot(z))]
+}
+
+/// These forces are those of gravity, and the body turns slowly.
+pub fn is_gravity(sample: &ImuSample, settings: &NavSettings) -> bool {
+    let is_near = (sample.forces_m_s2.norm() - GRAVITY_M_S2).abs() <= settings.gravity_gate_m_s2;
+    is_near && sample.rates_rad_s.norm() <= settings.leveling_rate_rad_s
+}
+
+/// Up as the forces say, against up as the attitude says: two angles about axes that are level in the body.
+pub fn leveling(state: &NavState, forces_m_s2: &Vector3<f64>, std_rad: f64) -> Option<Aid<2>> {
+    let up = state.nav_from_body.inverse() * Vector3::z();
+    let measured = Unit::try_new(forces_m_s2 - state.accel_bias_m_s2, 1e-6)?;
+    // The turn of the body that makes the expected direction the measured one.
+    let (axis, cosine) = (measured.cross(&up), measured.dot(&up));
+    let (sine, angle) = (axis.norm(), axis.norm().atan2(cosine));
+    let turn = if sine > 1e-12 { axis * (angle / sine) } else { axis };
+    let across = Matrix2x3::from_rows(&level_axes(&up).map(|axis| axis.transpose()));
+    let mut h = SMatrix::<f64, 2, 15>::zeros();
+    h.fixed_view_mut::<2, 3>(0, ATTITUDE).copy_from(&across);
+    Some(Aid { innovation: across * turn, h, r: Matrix2::identity() * std_rad.powi(2) })
+}
+
+/// Two axes across a direction and each other.
+fn level_axes(up: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let helper = if up.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+    let first = up.cross(&helper).normalize();
+    [first, up.cross(&first)]
+}
+
+/// The robot stands.
+pub fn zero_velocity(state: &NavState, std_m_s: f64) -> Aid<3> {
+    let mut h = SMatrix::<f64, 3, 15>::zeros();
+    h.fixed_view_mut::<3, 3>(0, VELOCITY).copy_from(&Matrix3::identity());
+    Aid { innovation: -state.velocity_m_s, h, r: Matrix3::identity() * std_m_s.powi(2) }
+}
+
+/// The robot stands: all that the rates say is their bias and noise.
+pub fn zero_rate(state: &NavState, rates_rad_s: &Vector3<f64>, std_rad_s: f64) -> Aid<3> {
+    let mut h = SMatrix::<f64, 3, 15>::zeros();
+    h.fixed_view_mut::<3, 3>(0, GYRO_BIAS).copy_from(&Matrix3::identity());
+    Aid { innovation: rates_rad_s - state.gyro_bias_rad_s, h, r: Matrix3::identity() * std_rad_s.powi(2) }
+}
+
+/// Velocity along the body's axes `first` and following, of which nothing should be there.
+fn body_velocity<const M: usize>(state: &NavState, axes: [usize; M], std_m_s: [f64; M]) -> Aid<M> {
+    let body_from_nav = state.nav_from_body.inverse().to_rotation_matrix();
+    let velocity = body_from_nav * state.velocity_m_s;
+    let by_attitude = velocity.cross_matrix();
+    let mut aid = Aid { innovation: SVector::zeros(), h: SMatrix::zeros(), r: SMatrix::zeros() };
+    for (row, (axis, std_m_s)) in axes.into_iter().zip(std_m_s).enumerate() {
+        aid.innovation[row] = -velocity[axis];
+        aid.r[(row, row)] = std_m_s.powi(2);
+        for col in 0..3 {
+            aid.h[(row, ATTITUDE + col)] = by_attitude[(axis, col)];
+            aid.h[(row, VELOCITY + col)] = body_from_nav[(axis, col)];
+        }
+    }
+    aid
+}
+
+/// The robot neither slides sideways nor flies.
+pub fn no_sliding(state: &NavState, lateral_m_s: f64, vertical_m_s: f64) -> Aid<2> {
+    body_velocity(state, [1, 2], [lateral_m_s, vertical_m_s])
+}
+
+/// The robot does not fly.
+pub fn no_flying(state: &NavState, vertical_m_s: f64) -> Aid<1> {
+    body_velocity(state, [2], [vertical_m_s])
+}
+
+/// Velocity over the floor, forward and to the left, in the level frame that looks where the body looks.
+pub fn floor_velocity(state: &NavState, measured_m_s: &Vector2<f64>, r: &Matrix2<f64>) -> Aid<2> {
+    let yaw_rad = state.yaw_rad();
+    let (sine, cosine) = yaw_rad.sin_cos();
+    let level_from_nav = Matrix2::new(cosine, sine, -sine, cosine);
+    let velocity = level_from_nav * state.velocity_m_s.xy();
+    let mut h = SMatrix::<f64, 2, 15>::zeros();
+    h.fixed_view_mut::<2, 2>(0, VELOCITY).copy_from(&level_from_nav);
+    // A turn to the left makes what was ahead be to the right.
+    let by_yaw = Vector2::new(velocity.y, -velocity.x);
+    let yaw = yaw_by_errors(state);
+    h.fixed_view_mut::<2, 3>(0, ATTITUDE).copy_from(&(by_yaw * yaw.transpose()));
+    Aid { innovation: measured_m_s - velocity, h, r: *r }
+}
+
+/// How errors of the attitude change where the body's x axis points from above.
+pub fn yaw_by_errors(state: &NavState) -> Vector3<f64> {
+    let rotation = state.nav_from_body.to_rotation_matrix();
+    let ahead = rotation * Vector3::x();
+    let level2 = (ahead.x.powi(2) + ahead.y.powi(2)).max(1e-4);
+    // d ahead = R (error x e_x) = R (0, error_z, -error_y); yaw = atan2(y, x).
+    let by = |axis: &Vector3<f64>| (ahead.x * axis.y - ahead.y * axis.x) / level2;
+    let (left, up) = (rotation * Vector3::y(), rotation * Vector3::z());
+    Vector3::new(0.0, -by(&up), by(&left))
+}

@@ -1,0 +1,410 @@
+//! The filter: inertial samples in, poses out, planar poses whenever somebody has one.
+
+use nalgebra::{Matrix2, Matrix3, Matrix6, Rotation2, SMatrix, UnitQuaternion, Vector2, Vector3};
+use rumbo_core::frames::{Pose2, Pose3, Twist, is_finite2, lift, wrap_angle};
+use rumbo_core::time::Time;
+
+use super::aids::{floor_velocity, is_gravity, leveled_angles, yaw_by_errors};
+use super::euler::angles_by_errors;
+use super::history::{History, Moment, Tally};
+use super::intersection::{PlanarPose, intersect, intersect_pose};
+use super::leveling::is_reading;
+use super::model::{ACCEL_BIAS, ATTITUDE, Covariance, GYRO_BIAS, ImuSample, NavState, POSITION, VELOCITY};
+use super::settings::{Intersected, NavFault, NavSettings};
+
+/// Least variance that is kept: below it a covariance counts as none.
+const LEAST: f64 = 1e-10;
+/// Standard deviation of the velocity of a robot that begins anyhow, m/s.
+const START_M_S: f64 = 0.5;
+
+/// How the filter is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NavStatus {
+    /// There was no sample yet.
+    NotInitialized,
+    /// It goes on.
+    Ok,
+    /// There was no sample for long.
+    Stale,
+}
+
+/// What became of all that came in, since the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct NavCounts {
+    /// Samples that were used.
+    pub n_samples: u64,
+    /// Samples that are no readings.
+    pub n_bad: u64,
+    /// Samples that are not newer than the last one.
+    pub n_not_newer: u64,
+    /// Gaps that were too long to integrate over.
+    pub n_gaps: u64,
+    /// Measurements that are older than all that is kept, or younger than the samples.
+    pub n_untimely: u64,
+    /// Measurements that are too far from what is expected, or no numbers.
+    pub n_rejected: u64,
+    /// Measurements after which the covariance was none.
+    pub n_not_positive: u64,
+}
+
+/// Where the robot is and how it moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NavOutput {
+    /// When.
+    pub stamp: Time,
+    /// The body in the frame that began where the filter began.
+    pub odom_from_base: Pose3,
+    /// Covariance of x, y, z, roll, pitch, yaw in that frame's axes.
+    pub covariance: Matrix6<f64>,
+    /// Velocity over the floor, and turning rate about the vertical.
+    pub twist: Twist,
+    /// Place and yaw by velocity and rates alone: they never jump.
+    pub dead_reckoned: Pose2,
+}
+
+/// The filter.
+#[derive(Debug, Clone)]
+pub struct NavFilter {
+    settings: NavSettings,
+    history: History,
+    /// The state's frame: where the robot was at the last step that was measured over the floor.
+    odom_from_anchor: Pose2,
+    /// Its covariance, in the axes of the odometer.
+    anchor_covariance: Matrix3<f64>,
+    dead_reckoned: Pose2,
+    counts: NavCounts,
+}
+
+impl NavFilter {
+    /// A filter that begins with its first sample.
+    ///
+    /// # Errors
+    /// The first setting that cannot be.
+    pub fn new(settings: NavSettings) -> Result<NavFilter, NavFault> {
+        if let Some(fault) = settings.faults().into_iter().next() {
+            return Err(fault);
+        }
+        Ok(NavFilter {
+            settings,
+            history: History::default(),
+            odom_from_anchor: Pose2::identity(),
+            anchor_covariance: Matrix3::zeros(),
+            dead_reckoned: Pose2::identity(),
+            counts: NavCounts::default(),
+        })
+    }
+
+    /// The same robot somewhere else: place, yaw and their covariance are these from now on; attitude and biases stay.
+    pub fn place(&mut self, odom_from_base: Pose2, covariance: Matrix3<f64>) {
+        if let Some(now) = self.history.now() {
+            let mut moment = now.clone();
+            anchor(&mut moment);
+            self.history.begin(moment);
+        }
+        (self.odom_from_anchor, self.anchor_covariance) = (odom_from_base, covariance);
+        self.dead_reckoned = odom_from_base;
+    }
+
+    /// Takes in a sample of the body. False where it was not used.
+    pub fn take_imu(&mut self, stamp: Time, sample: &ImuSample) -> bool {
+        if !is_reading(sample, &self.settings) {
+            self.counts.n_bad += 1;
+            return false;
+        }
+        let Some(now) = self.history.now() else {
+            self.history.begin(self.first(stamp, sample));
+            self.counts.n_samples += 1;
+            return true;
+        };
+        if stamp <= now.stamp {
+            self.counts.n_not_newer += 1;
+            return false;
+        }
+        let mut tally = Tally::default();
+        let next = now.next(stamp, sample, &self.settings, &mut tally);
+        let is_gap = stamp - now.stamp > self.settings.max_gap;
+        if !is_gap {
+            self.dead_reckoned = reckoned(&self.dead_reckoned, &now.state, &next, now.stamp);
+        }
+        self.history.push(next, self.settings.history);
+        self.counts.n_samples += 1;
+        self.counts.n_gaps += u64::from(is_gap);
+        self.add(tally);
+        true
+    }
+
+    fn add(&mut self, tally: Tally) {
+        self.counts.n_rejected += tally.n_rejected;
+        self.counts.n_not_positive += tally.n_not_positive;
+    }
+
+    /// Level as the forces say, whatever they are: nothing else is known.
+    fn first(&self, stamp: Time, sample: &ImuSample) -> Moment {
+        let [roll_rad, pitch_rad] = leveled_angles(&sample.forces_m_s2);
+        let nav_from_body = UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, 0.0);
+        let state = NavState { nav_from_body, ..NavState::default() };
+        let settings = &self.settings;
+        let tilt_rad = if is_gravity(sample, settings) { settings.leveling_std_rad } else { 0.5 };
+        let mut covariance = Covariance::zeros();
+        for k in 0..3 {
+            covariance[(ATTITUDE + k, ATTITUDE + k)] = tilt_rad.powi(2);
+            covariance[(POSITION + k, POSITION + k)] = LEAST;
+            covariance[(VELOCITY + k, VELOCITY + k)] = START_M_S.powi(2);
+            covariance[(GYRO_BIAS + k, GYRO_BIAS + k)] = settings.gyro_bias_rad_s.powi(2).max(LEAST);
+            covariance[(ACCEL_BIAS + k, ACCEL_BIAS + k)] = settings.accel_bias_m_s2.powi(2).max(LEAST);
+        }
+        let (sample, last_aid) = (*sample, Some(stamp));
+        let mut moment =
+            Moment { stamp, sample, state, covariance, is_standing: false, last_aid, n_refused: 0 };
+        // The frame begins with the robot's own yaw, which is therefore certain.
+        anchor(&mut moment);
+        moment
+    }
+
+    /// The robot stands, or moves again, from the newest sample on.
+    pub fn set_standing(&mut self, is_standing: bool) {
+        if let Some(now) = self.history.now_mut() {
+            now.is_standing = is_standing;
+        }
+    }
+
+    /// The planar pose at a time, seen from where the last step ended, as far as samples and other measurements tell.
+    pub fn predicted_step(&self, stamp: Time) -> Option<PlanarPose> {
+        let (_, moment) = self.history.at(stamp, &self.settings)?;
+        let c = planar_rows(&moment.state);
+        Some(PlanarPose { pose: planar(&moment.state), covariance: c * moment.covariance * c.transpose() })
+    }
+
+    /// Takes in how the robot moved over the floor from the last step to `stamp`, as scans tell it, by covariance
+    /// intersection; the next step begins there. Without a measurement it only begins there. Returns whether it was used.
+    pub fn take_step(&mut self, stamp: Time, step: Option<&PlanarPose>) -> bool {
+        let Some((place, mut moment)) = self.history.at(stamp, &self.settings) else {
+            self.counts.n_untimely += 1;
+            return false;
+        };
+        let mut tally = Tally::default();
+        let is_used = step.is_some_and(|step| fuse(&mut moment, step, &self.settings, &mut tally));
+        let (pose, covariance) = anchor(&mut moment);
+        self.begin_at(&pose, &covariance);
+        self.history.revise(place, moment, &self.settings);
+        // What is older is seen from where the step before ended.
+        self.history.forget_before(place);
+        self.add(tally);
+        is_used
+    }
+
+    /// Scans alone say how the robot moved since the last step: there are no samples of that time. Attitude and velocity stay
+    /// as they were, and what comes next is a gap.
+    pub fn carry_on(&mut self, step: &PlanarPose) {
+        if let Some(now) = self.history.now() {
+            let mut moment = now.clone();
+            anchor(&mut moment);
+            self.history.begin(moment);
+        }
+        self.begin_at(&step.pose, &step.covariance);
+        self.dead_reckoned *= step.pose;
+    }
+
+    /// The anchor is there now, seen from where it was.
+    fn begin_at(&mut self, pose: &Pose2, covariance: &Matrix3<f64>) {
+        self.anchor_covariance =
+            compounded(&self.anchor_covariance, &self.odom_from_anchor, pose, covariance);
+        self.odom_from_anchor *= pose;
+    }
+
+    /// Takes in a planar pose of that time, in the frame of the output, by covariance intersection. Returns whether it was
+    /// used.
+    pub fn take_pose(&mut self, stamp: Time, pose: &PlanarPose) -> bool {
+        let anchor_from_odom = self.odom_from_anchor.inverse();
+        let turn = anchor_from_odom.rotation.to_rotation_matrix().to_homogeneous();
+        let seen = PlanarPose {
+            pose: anchor_from_odom * pose.pose,
+            covariance: turn * pose.covariance * turn.transpose(),
+        };
+        self.revise(stamp, |moment, settings, tally| fuse(moment, &seen, settings, tally))
+    }
+
+    /// Takes in the velocity over the floor (forward, left) at that time. Returns whether it was used.
+    pub fn take_velocity(&mut self, stamp: Time, floor_m_s: &Vector2<f64>, r: &Matrix2<f64>) -> bool {
+        if !floor_m_s.iter().chain(r.iter()).all(|v| v.is_finite()) {
+            self.counts.n_rejected += 1;
+            return false;
+        }
+        self.revise(stamp, |moment, settings, tally| {
+            moment.update(&floor_velocity(&moment.state, floor_m_s, r), settings, tally)
+        })
+    }
+
+    fn revise(
+        &mut self,
+        stamp: Time,
+        change: impl FnOnce(&mut Moment, &NavSettings, &mut Tally) -> bool,
+    ) -> bool {
+        let Some((place, mut moment)) = self.history.at(stamp, &self.settings) else {
+            self.counts.n_untimely += 1;
+            return false;
+        };
+        let mut tally = Tally::default();
+        let is_used = change(&mut moment, &self.settings, &mut tally);
+        self.history.revise(place, moment, &self.settings);
+        self.add(tally);
+        is_used
+    }
+
+    /// How it is at this time.
+    pub fn status(&self, now: Time) -> NavStatus {
+        match self.history.now() {
+            None => NavStatus::NotInitialized,
+            Some(last) if now - last.stamp > self.settings.stale_after => NavStatus::Stale,
+            Some(_) => NavStatus::Ok,
+        }
+    }
+
+    /// What became of all that came in.
+    pub fn counts(&self) -> NavCounts {
+        self.counts
+    }
+
+    /// The state in the frame of the last step, and its covariance; none before the first sample.
+    pub fn state(&self) -> Option<(&NavState, &Covariance)> {
+        self.history.now().map(|now| (&now.state, &now.covariance))
+    }
+
+    /// How many moments are kept for measurements that come late.
+    pub fn n_moments(&self) -> usize {
+        self.history.len()
+    }
+
+    /// Where the robot is, as of the newest sample; at `now`, for how sure it is of roll and pitch without news.
+    pub fn output(&self, now: Time) -> Option<NavOutput> {
+        let moment = self.history.now()?;
+        let state = &moment.state;
+        let odom_from_base =
+            lift(&self.odom_from_anchor) * Pose3::from_parts(state.position_m.into(), state.nav_from_body);
+        let mut covariance = self.spatial_covariance(moment);
+        if self.status(now) == NavStatus::Stale {
+            let grown = (self.settings.stale_rad_s * (now - moment.stamp).as_secs()).powi(2);
+            covariance[(3, 3)] += grown;
+            covariance[(4, 4)] += grown;
+        }
+        let floor = Rotation2::new(-state.yaw_rad()) * state.velocity_m_s.xy();
+        let rates = state.nav_from_body * (moment.sample.rates_rad_s - state.gyro_bias_rad_s);
+        let twist = Twist { forward_m_s: floor.x, left_m_s: floor.y, turn_rad_s: rates.z };
+        let dead_reckoned = self.dead_reckoned;
+        Some(NavOutput { stamp: moment.stamp, odom_from_base, covariance, twist, dead_reckoned })
+    }
+
+    /// Covariance of x, y, z, roll, pitch, yaw.
+    fn spatial_covariance(&self, moment: &Moment) -> Matrix6<f64> {
+        let mut by_errors = SMatrix::<f64, 6, 15>::zeros();
+        let turn = self.odom_from_anchor.rotation.to_rotation_matrix();
+        by_errors.fixed_view_mut::<2, 2>(0, POSITION).copy_from(turn.matrix());
+        by_errors[(2, POSITION + 2)] = 1.0;
+        let angles = angles_by_errors(&moment.state.nav_from_body);
+        by_errors.fixed_view_mut::<3, 3>(3, ATTITUDE).copy_from(&angles);
+        let own = by_errors * moment.covariance * by_errors.transpose();
+        // The anchor's yaw moves what lies ahead of it sideways.
+        let way = turn * moment.state.position_m.xy();
+        let mut by_anchor = SMatrix::<f64, 6, 3>::zeros();
+        by_anchor[(0, 0)] = 1.0;
+        by_anchor[(1, 1)] = 1.0;
+        by_anchor[(5, 2)] = 1.0;
+        by_anchor[(0, 2)] = -way.y;
+        by_anchor[(1, 2)] = way.x;
+        let sum = own + by_anchor * self.anchor_covariance * by_anchor.transpose();
+        (sum + sum.transpose()) * 0.5
+    }
+}
+
+/// The pose on the floor.
+fn planar(state: &NavState) -> Pose2 {
+    Pose2::new(state.position_m.xy(), state.yaw_rad())
+}
+
+/// How errors change x, y and yaw.
+fn planar_rows(state: &NavState) -> SMatrix<f64, 3, 15> {
+    let mut c = SMatrix::<f64, 3, 15>::zeros();
+    c[(0, POSITION)] = 1.0;
+    c[(1, POSITION + 1)] = 1.0;
+    c.fixed_view_mut::<1, 3>(2, ATTITUDE).copy_from(&yaw_by_errors(state).transpose());
+    c
+}
+
+/// Covariance intersection with a planar pose in the state's frame.
+fn fuse(moment: &mut Moment, measured: &PlanarPose, settings: &NavSettings, tally: &mut Tally) -> bool {
+    let r = (measured.covariance + measured.covariance.transpose()) * 0.5;
+    let is_number = is_finite2(&measured.pose) && r.iter().all(|v| v.is_finite());
+    if !is_number {
+        tally.n_rejected += 1;
+        return false;
+    }
+    if r.cholesky().is_none() {
+        moment.covariance *= 2.0;
+        tally.n_not_positive += 1;
+        return false;
+    }
+    let c = planar_rows(&moment.state);
+    let before = c * moment.covariance * c.transpose();
+    let expected = planar(&moment.state);
+    let way = measured.pose.translation.vector - expected.translation.vector;
+    let turn = wrap_angle(measured.pose.rotation.angle() - expected.rotation.angle());
+    let innovation = Vector3::new(way.x, way.y, turn);
+    let updated = settings.omega.weight(&before, &r).and_then(|omega| match settings.intersected {
+        Intersected::Pose => intersect_pose(&moment.covariance, &c, &r, &innovation, omega),
+        Intersected::Everything => intersect(&moment.covariance, &c, &r, &innovation, omega),
+    });
+    moment.adopt(updated.as_ref(), tally)
+}
+
+/// Makes where the robot stands the origin of the state's frame, and its yaw the x axis: both are certain then. Returns
+/// where that is in the frame before, with its covariance.
+fn anchor(moment: &mut Moment) -> (Pose2, Matrix3<f64>) {
+    let state = &mut moment.state;
+    let (pose, c, by_yaw) = (planar(state), planar_rows(state), yaw_by_errors(state));
+    let before = c * moment.covariance * c.transpose();
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -state.yaw_rad());
+    state.nav_from_body = turn * state.nav_from_body;
+    state.velocity_m_s = turn * state.velocity_m_s;
+    state.position_m.x = 0.0;
+    state.position_m.y = 0.0;
+    let up = state.nav_from_body.inverse() * Vector3::z();
+    let mut t = Covariance::identity();
+    t[(POSITION, POSITION)] = 0.0;
+    t[(POSITION + 1, POSITION + 1)] = 0.0;
+    t.fixed_view_mut::<3, 3>(ATTITUDE, ATTITUDE).copy_from(&(Matrix3::identity() - up * by_yaw.transpose()));
+    t.fixed_view_mut::<3, 3>(VELOCITY, VELOCITY).copy_from(turn.to_rotation_matrix().matrix());
+    let swung = Vector3::z().cross(&state.velocity_m_s);
+    t.fixed_view_mut::<3, 3>(VELOCITY, ATTITUDE).copy_from(&(-swung * by_yaw.transpose()));
+    let mut covariance = t * moment.covariance * t.transpose();
+    covariance[(POSITION, POSITION)] += LEAST;
+    covariance[(POSITION + 1, POSITION + 1)] += LEAST;
+    let certain = covariance.fixed_view::<3, 3>(ATTITUDE, ATTITUDE) + up * up.transpose() * LEAST;
+    covariance.fixed_view_mut::<3, 3>(ATTITUDE, ATTITUDE).copy_from(&certain);
+    moment.covariance = (covariance + covariance.transpose()) * 0.5;
+    (pose, (before + before.transpose()) * 0.5)
+}
+
+/// Covariance of a pose that is made of two.
+fn compounded(
+    first_covariance: &Matrix3<f64>,
+    first: &Pose2,
+    then: &Pose2,
+    then_covariance: &Matrix3<f64>,
+) -> Matrix3<f64> {
+    let way = first.rotation * then.translation.vector;
+    let mut by_first = Matrix3::identity();
+    by_first[(0, 2)] = -way.y;
+    by_first[(1, 2)] = way.x;
+    let by_then = first.rotation.to_rotation_matrix().to_homogeneous();
+    let sum =
+        by_first * first_covariance * by_first.transpose() + by_then * then_covariance * by_then.transpose();
+    (sum + sum.transpose()) * 0.5
+}
+
+/// Goes on by the velocity and the turn between two moments, without what measurements corrected.
+fn reckoned(from: &Pose2, before: &NavState, next: &Moment, since: Time) -> Pose2 {
+    let seconds = (next.stamp - since).as_secs();
+    let rate = before.nav_from_body * (next.sample.rates_rad_s - before.gyro_bias_rad_s);
+    let floor = Rotation2::new(-before.yaw_rad()) * before.velocity_m_s.xy();
+    from * Twist { forward_m_s: floor.x, left_m_s: floor.y, turn_rad_s: rate.z }.integrate(seconds)
+}

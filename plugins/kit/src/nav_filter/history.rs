@@ -1,0 +1,238 @@
+//! The filter at one moment, how it goes on to the next, and the moments of the last second.
+
+use std::collections::VecDeque;
+
+use nalgebra::{Const, DimMin, ToTypenum};
+use rumbo_core::time::{Span, Time};
+
+use super::aids::{Aid, is_gravity, leveling, no_flying, no_sliding, zero_rate, zero_velocity};
+use super::model::{
+    ATTITUDE, Covariance, ImuSample, NavState, POSITION, VELOCITY, carried, jacobian, noise, propagate,
+};
+use super::settings::NavSettings;
+use super::update::{CHI2_95, Updated, joseph};
+
+/// What happened on the way from one moment to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tally {
+    /// Updates that are too far from what is expected.
+    pub n_rejected: u64,
+    /// Updates after which the covariance was none.
+    pub n_not_positive: u64,
+}
+
+/// The filter at one moment.
+#[derive(Debug, Clone)]
+pub struct Moment {
+    /// When.
+    pub stamp: Time,
+    /// What the device read then.
+    pub sample: ImuSample,
+    /// The state.
+    pub state: NavState,
+    /// Its covariance.
+    pub covariance: Covariance,
+    /// The robot stands, as somebody knows.
+    pub is_standing: bool,
+    /// When an aid was last used.
+    pub last_aid: Option<Time>,
+    /// Updates refused in a row.
+    pub n_refused: u32,
+}
+
+impl Moment {
+    /// The moment of the next sample. Over a gap nothing is integrated, and all is less sure.
+    pub fn next(&self, stamp: Time, sample: &ImuSample, settings: &NavSettings, tally: &mut Tally) -> Moment {
+        let gap = stamp - self.stamp;
+        let mut next = Moment { stamp, sample: *sample, ..self.clone() };
+        if gap > settings.max_gap {
+            next.sit_out(gap, settings);
+        } else {
+            let seconds = gap.as_secs();
+            let mean = ImuSample {
+                rates_rad_s: (self.sample.rates_rad_s + sample.rates_rad_s) * 0.5,
+                forces_m_s2: (self.sample.forces_m_s2 + sample.forces_m_s2) * 0.5,
+            };
+            let f = jacobian(&self.state, &mean, seconds);
+            let walks = [settings.gyro_bias_walk.powi(2), settings.accel_bias_walk.powi(2)];
+            let devices = [settings.gyro_noise_rad_s, settings.accel_noise_m_s2];
+            next.covariance = carried(&f, &self.covariance) + noise(seconds, devices, walks);
+            next.state = propagate(&self.state, &mean, seconds);
+        }
+        next.aid(settings, tally);
+        next
+    }
+
+    /// Nobody knows what happened in a gap.
+    fn sit_out(&mut self, gap: Span, settings: &NavSettings) {
+        let seconds = gap.as_secs();
+        let change_m_s = settings.max_acceleration_m_s2 * seconds;
+        let way_m = self.state.velocity_m_s.norm() * seconds + 0.5 * change_m_s * seconds;
+        for k in 0..3 {
+            self.covariance[(VELOCITY + k, VELOCITY + k)] += change_m_s.powi(2);
+            self.covariance[(POSITION + k, POSITION + k)] += way_m.powi(2);
+            self.covariance[(ATTITUDE + k, ATTITUDE + k)] += (settings.stale_rad_s * seconds).powi(2);
+        }
+    }
+
+    /// Uses what is known without a measurement from outside, where it is time for that.
+    fn aid(&mut self, settings: &NavSettings, tally: &mut Tally) {
+        if self.last_aid.is_some_and(|last| self.stamp - last < settings.aid_period) {
+            return;
+        }
+        self.last_aid = Some(self.stamp);
+        let sample = self.sample;
+        if is_gravity(&sample, settings)
+            && let Some(aid) = leveling(&self.state, &sample.forces_m_s2, settings.leveling_std_rad)
+        {
+            self.update(&aid, settings, tally);
+        }
+        if self.is_standing {
+            let aid = zero_velocity(&self.state, settings.standing_m_s);
+            self.update(&aid, settings, tally);
+            let std_rad_s = settings.gyro_noise_rad_s.hypot(settings.standing_rad_s);
+            let aid = zero_rate(&self.state, &sample.rates_rad_s, std_rad_s);
+            self.update(&aid, settings, tally);
+            return;
+        }
+        let vertical_m_s = settings.body_vertical_m_s;
+        match settings.body_lateral_m_s {
+            Some(lateral_m_s) => {
+                self.update(&no_sliding(&self.state, lateral_m_s, vertical_m_s), settings, tally)
+            }
+            None => self.update(&no_flying(&self.state, vertical_m_s), settings, tally),
+        };
+    }
+
+    /// An update by a measurement whose errors have nothing to do with those of the state. Returns whether it was used.
+    pub fn update<const M: usize>(&mut self, aid: &Aid<M>, settings: &NavSettings, tally: &mut Tally) -> bool
+    where
+        Const<M>: DimMin<Const<M>, Output = Const<M>> + ToTypenum,
+    {
+        let updated = joseph(&self.covariance, &aid.h, &aid.r, &aid.innovation);
+        let gate = CHI2_95.get(M - 1).copied().unwrap_or(f64::INFINITY);
+        if updated.as_ref().is_some_and(|updated| updated.mahalanobis2 > gate) {
+            self.refuse(settings, tally);
+            return false;
+        }
+        self.adopt(updated.as_ref(), tally)
+    }
+
+    /// An update was refused: after too many in a row the filter was too sure of itself.
+    pub fn refuse(&mut self, settings: &NavSettings, tally: &mut Tally) {
+        tally.n_rejected += 1;
+        self.n_refused += 1;
+        if self.n_refused > settings.max_rejects {
+            self.covariance *= 4.0;
+            self.n_refused = 0;
+        }
+    }
+
+    /// Takes an update over; one that leaves no covariance is as if it had not been, and the filter is less sure.
+    pub fn adopt(&mut self, updated: Option<&Updated<15>>, tally: &mut Tally) -> bool {
+        let state = updated.map(|updated| self.state.plus(&updated.change));
+        let good = updated
+            .zip(state)
+            .filter(|(updated, state)| state.is_finite() && updated.covariance.cholesky().is_some());
+        match good {
+            Some((updated, state)) => {
+                (self.state, self.covariance, self.n_refused) = (state, updated.covariance, 0);
+                true
+            }
+            None => {
+                self.covariance *= 2.0;
+                tally.n_not_positive += 1;
+                false
+            }
+        }
+    }
+}
+
+/// The moments of the last second, oldest first; the last one is now.
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    moments: VecDeque<Moment>,
+}
+
+impl History {
+    /// A second of 1000 samples, and as many measurements in between.
+    const MOST: usize = 2048;
+
+    /// Now; none before the first sample.
+    pub fn now(&self) -> Option<&Moment> {
+        self.moments.back()
+    }
+
+    /// The same, to change.
+    pub fn now_mut(&mut self) -> Option<&mut Moment> {
+        self.moments.back_mut()
+    }
+
+    /// Goes on, and forgets what is older than `kept`.
+    pub fn push(&mut self, moment: Moment, kept: Span) {
+        let oldest = moment.stamp - kept;
+        self.moments.push_back(moment);
+        while self.moments.len() > 2 && self.moments.get(1).is_some_and(|next| next.stamp <= oldest)
+            || self.moments.len() > Self::MOST
+        {
+            self.moments.pop_front();
+        }
+    }
+
+    /// Only this moment.
+    pub fn begin(&mut self, moment: Moment) {
+        self.moments.clear();
+        self.moments.push_back(moment);
+    }
+
+    /// The moment of any stamp: between two samples by the samples in between, beyond the last one by that one, and none
+    /// before all that is known. With its place among the moments.
+    pub fn at(&self, stamp: Time, settings: &NavSettings) -> Option<(usize, Moment)> {
+        let after = self.moments.partition_point(|moment| moment.stamp <= stamp);
+        let before = self.moments.get(after.checked_sub(1)?)?;
+        if before.stamp == stamp {
+            return Some((after - 1, before.clone()));
+        }
+        if stamp - before.stamp > settings.max_gap && after == self.moments.len() {
+            return None;
+        }
+        let sample = self.moments.get(after).map_or(before.sample, |next| {
+            let share = (stamp - before.stamp).as_secs() / (next.stamp - before.stamp).as_secs();
+            ImuSample {
+                rates_rad_s: before.sample.rates_rad_s.lerp(&next.sample.rates_rad_s, share),
+                forces_m_s2: before.sample.forces_m_s2.lerp(&next.sample.forces_m_s2, share),
+            }
+        });
+        Some((after, before.next(stamp, &sample, settings, &mut Tally::default())))
+    }
+
+    /// Puts a changed moment in its place, as [`at`](Self::at) told it, and goes once more through all that came later.
+    pub fn revise(&mut self, place: usize, moment: Moment, settings: &NavSettings) {
+        let is_known = self.moments.get(place).is_some_and(|known| known.stamp == moment.stamp);
+        match self.moments.get_mut(place).filter(|_| is_known) {
+            Some(known) => *known = moment,
+            None => self.moments.insert(place.min(self.moments.len()), moment),
+        }
+        for idx in place + 1..self.moments.len() {
+            let (Some(before), Some(later)) = (self.moments.get(idx - 1), self.moments.get(idx)) else {
+                return;
+            };
+            // What was refused was counted the first time.
+            let mut again = Moment { is_standing: later.is_standing, ..before.clone() };
+            again = again.next(later.stamp, &later.sample, settings, &mut Tally::default());
+            if let Some(later) = self.moments.get_mut(idx) {
+                *later = again;
+            }
+        }
+    }
+
+    /// Forgets all that is older than this place.
+    pub fn forget_before(&mut self, place: usize) {
+        self.moments.drain(..place.min(self.moments.len().saturating_sub(1)));
+    }
+
+    /// How many moments are kept.
+    pub fn len(&self) -> usize {
+        self.moments.len()
+    }
+}
