@@ -4,12 +4,16 @@
 use std::path::{Path, PathBuf};
 
 use nalgebra::UnitQuaternion;
-use rumbo_core::frames::{Pose3, pose2};
+use rumbo_core::frames::{Pose3, Twist, flatten, pose2};
+use rumbo_core::messages::Command;
+use rumbo_core::pipeline::Script;
 use rumbo_core::registry::Plugin;
+use rumbo_core::robot::{Drive, Robot};
 use rumbo_core::stages::{Answer, BuildContext, BuildError, Probe, World};
+use rumbo_core::time::Time;
 use rumbo_kit::map_file::{DEFAULT_MAX_CELLS, load_map};
 use rumbo_kit::world_file::{load_world, parse_world};
-use rumbo_worlds::sim::{SimParams, Start};
+use rumbo_worlds::sim::{SimParams, Start, Wheels};
 
 #[path = "../examples/draw_worlds/convert.rs"]
 mod convert;
@@ -146,6 +150,95 @@ fn rays_in_the_rubble_loop_have_the_published_ranges() {
     assert_eq!(n_rays, 42);
 }
 
+/// FinDER, as `pipelines/common/finder.toml` has it.
+fn finder() -> Robot {
+    Robot {
+        drive: Drive::Differential { track_m: 0.5 },
+        radius_m: 0.30,
+        height_m: 0.60,
+        max_speed_m_s: 1.38,
+        max_turn_deg_s: 120.0,
+        max_accel_m_s2: 1.0,
+        max_turn_accel_deg_s2: 360.0,
+        braking_m_s2: 1.5,
+        ..Robot::default()
+    }
+}
+
+fn finder_in(name: &str) -> Box<dyn World> {
+    let wheels = Wheels { radius_m: 0.254, ..Wheels::default() };
+    let start = start(-5.5, -4.6, 0.0);
+    let params = SimParams { map: Some(worlds().join(name)), start, wheels, ..SimParams::default() };
+    params.build(&BuildContext { robot: finder(), ..BuildContext::bare("world") }).unwrap()
+}
+
+/// How far a place is from the lane, and how far along it the nearest place is, searched from `way_m` on.
+fn beside_lane(at: &Pose3, way_m: f64) -> (f64, f64) {
+    (0..200)
+        .map(|step| way_m - 0.5 + 0.01 * f64::from(step))
+        .map(|way_m| {
+            let [x, y, _] = on_lane(way_m.rem_euclid(LANE_M));
+            ((at.translation.x - x).hypot(at.translation.y - y), way_m)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .unwrap()
+}
+
+const LANE_M: f64 = 34.4 + 1.5 * std::f64::consts::TAU;
+
+#[test]
+fn the_scripted_drives_keep_to_the_lane_and_touch_nothing() {
+    for (script, speed_m_s) in [("rubble_lane.csv", 1.38), ("rubble_lane_slow.csv", 1.0)] {
+        let script = Script::read(&worlds().join("../drives").join(script)).unwrap();
+        for name in ["rubble_loop.toml", "rubble_loop_dense.toml"] {
+            let (mut world, mut way_m, mut fastest_m_s) = (finder_in(name), 0.0, 0.0f64);
+            for tick in 0.. {
+                let now = Time(tick * 50_000_000);
+                world.advance(now).unwrap();
+                let Some(twist) = script.at(now - Time::ZERO) else { break };
+                world.drive(&Command { twist, ..Command::default() }).unwrap();
+                let truth = world.truth().unwrap();
+                let (beside_m, nearest_m) = beside_lane(&truth.map_from_base, way_m);
+                assert!(beside_m < 0.02, "{beside_m} beside the lane after {way_m} m");
+                assert!(truth.clearance_m > 0.1, "{name}: {} after {way_m} m", truth.clearance_m);
+                (way_m, fastest_m_s) = (nearest_m, fastest_m_s.max(truth.twist.forward_m_s));
+            }
+            assert!((way_m - LANE_M - 1.0).abs() < 0.1, "{way_m}");
+            assert!((fastest_m_s - speed_m_s).abs() < 1e-9);
+        }
+    }
+}
+
+/// Steered by the truth along the lane, at 0.7 m/s.
+#[test]
+fn the_search_robot_crosses_everything_on_the_slopes() {
+    let mut world = finder_in("rubble_slopes.toml");
+    let (mut way_m, mut highest_m, mut rolls, mut pitches) = (0.0, 0.0f64, [0.0f64; 2], [0.0f64; 2]);
+    for tick in 1..2_000 {
+        world.advance(Time(tick * 50_000_000)).unwrap();
+        let truth = *world.truth().unwrap();
+        assert_eq!(truth.contact_episodes, Some(0), "after {way_m} m");
+        let at = truth.map_from_base;
+        way_m = beside_lane(&at, way_m).1;
+        let [x, y, _] = on_lane((way_m + 0.5).rem_euclid(LANE_M));
+        let ahead = flatten(&at).inverse() * rumbo_core::frames::Point2::new(x, y);
+        let twist = Twist::new(0.7, 2.0 * 0.7 * ahead.y / ahead.coords.norm_squared());
+        world.drive(&Command { twist, ..Command::default() }).unwrap();
+        let (roll, pitch, _) = at.rotation.euler_angles();
+        highest_m = highest_m.max(at.translation.z);
+        rolls = [rolls[0].min(roll.to_degrees()), rolls[1].max(roll.to_degrees())];
+        pitches = [pitches[0].min(pitch.to_degrees()), pitches[1].max(pitch.to_degrees())];
+        if way_m > LANE_M {
+            break;
+        }
+    }
+    assert!(way_m > LANE_M, "{way_m}");
+    assert!((highest_m - 0.693).abs() < 1e-6, "{highest_m}");
+    assert!(rolls[0] < -9.0 && rolls[1] > 9.0, "15 degrees aslant are more than 10 of roll: {rolls:?}");
+    assert!((pitches[0] + 30.0).abs() < 0.5 && (pitches[1] - 30.0).abs() < 0.5, "{pitches:?}");
+    assert!(world.truth().unwrap().map_from_base.translation.z.abs() < 1e-9);
+}
+
 #[test]
 fn every_shipped_world_loads_and_a_robot_can_stand_in_it() {
     let stands = [
@@ -156,6 +249,7 @@ fn every_shipped_world_loads_and_a_robot_can_stand_in_it() {
         ("two_rooms_marks.toml", start(2.0, 2.0, 0.0)),
         ("rubble_loop.toml", start(-5.5, -4.6, 0.0)),
         ("rubble_loop_dense.toml", start(-5.5, -4.6, 0.0)),
+        ("rubble_slopes.toml", start(-5.5, -4.6, 0.0)),
         ("natural_landmark_5x5.yaml", start(2.0, 2.0, 0.0)),
         ("natural_landmark_10x10.yaml", start(2.0, 6.0, 0.0)),
         ("natural_landmark_20x20.yaml", start(2.0, 13.0, 0.0)),
