@@ -21,6 +21,7 @@ use rumbo_core::frames::{Pose2, wrap_angle};
 use rumbo_core::map::Grid;
 use rumbo_core::rng::Rng;
 use rumbo_kit::grid_poses::GridPoses;
+use rumbo_kit::resampling::{IndependentDraws, low_variance};
 
 /// Numbers of the filter.
 #[derive(Debug, Clone, PartialEq)]
