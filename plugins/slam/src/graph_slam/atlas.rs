@@ -47,6 +47,8 @@ pub(super) struct TieSettings {
     pub kernel_c: f64,
 }
 
+/// Odometers slip: they must not hold apart what scans tie together.
+const ODOMETER: RobustKernel = RobustKernel::Huber { c: 1.0 };
 /// A turn of one radian is as long a way as this, meters.
 const TURN_AS_WAY_M: f64 = 0.5;
 
@@ -100,7 +102,12 @@ impl Atlas {
     }
 
     /// Adds a key frame at a pose, bound to the one before it by the odometer alone.
-    pub fn add(&mut self, frame: KeyFrame, map_from_base: &Pose2, before: Option<(usize, Pose2)>) -> Option<usize> {
+    pub fn add(
+        &mut self,
+        frame: KeyFrame,
+        map_from_base: &Pose2,
+        before: Option<(usize, Pose2)>,
+    ) -> Option<usize> {
         let node = self.graph.add_pose(map_from_base).ok()?;
         self.frames.push(frame);
         self.ways.push(Vec::new());
@@ -110,7 +117,7 @@ impl Atlas {
             let turn_rad = before_from_base.rotation.angle().abs();
             let (off_m, off_rad) = (least_m + share_m * way_m, least_rad + share_rad * turn_rad);
             let diagonal = Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
-            self.bind(before, node, before_from_base, Matrix3::from_diagonal(&diagonal), RobustKernel::Quadratic);
+            self.bind(before, node, before_from_base, Matrix3::from_diagonal(&diagonal), ODOMETER);
         }
         Some(node)
     }
@@ -132,7 +139,14 @@ impl Atlas {
         Some(())
     }
 
-    fn bind(&mut self, from: usize, to: usize, from_to: Pose2, information: Matrix3<f64>, kernel: RobustKernel) {
+    fn bind(
+        &mut self,
+        from: usize,
+        to: usize,
+        from_to: Pose2,
+        information: Matrix3<f64>,
+        kernel: RobustKernel,
+    ) {
         // In the axes of the measured frame.
         let turn = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), from_to.rotation.angle());
         let information = turn.matrix().transpose() * information * turn.matrix();
@@ -152,7 +166,14 @@ impl Atlas {
     }
 
     /// Registers `other` on `frame` from where it is expected; ties them when that can be believed.
-    pub fn tie(&mut self, frame: usize, other: usize, expected: &Pose2, first_gate_m: f64, is_loop: bool) -> bool {
+    pub fn tie(
+        &mut self,
+        frame: usize,
+        other: usize,
+        expected: &Pose2,
+        first_gate_m: f64,
+        is_loop: bool,
+    ) -> bool {
         let pair = (frame.min(other), frame.max(other));
         if frame == other || !self.tried.insert(pair) {
             return false;
@@ -164,13 +185,20 @@ impl Atlas {
         true
     }
 
-    fn registered(&mut self, frame: usize, other: usize, expected: &Pose2, first_gate_m: f64) -> Option<Registered> {
+    fn registered(
+        &mut self,
+        frame: usize,
+        other: usize,
+        expected: &Pose2,
+        first_gate_m: f64,
+    ) -> Option<Registered> {
         if self.table_of != Some(frame) {
             self.table.fill(self.frames.get(frame)?.surface.iter().copied());
             self.table_of = Some(frame);
         }
         let scan = &self.frames.get(other)?.surface;
-        let expected = Expected { reference_from_scan: *expected, information: Matrix3::zeros(), first_gate_m };
+        let expected =
+            Expected { reference_from_scan: *expected, information: Matrix3::zeros(), first_gate_m };
         let found = register(&self.table, scan, &expected, &self.settings.registration)?;
         let off = expected.reference_from_scan.inverse() * found.reference_from_scan;
         let [most_m, most_rad] = self.settings.most_surprise;
@@ -233,15 +261,15 @@ impl Atlas {
 
     /// Moves all key frames to where they agree best.
     pub fn optimize(&mut self, most_iterations: usize) {
-        let settings = OptimizeSettings { most_iterations, least_decrease: 1e-4, ..OptimizeSettings::default() };
+        let settings =
+            OptimizeSettings { most_iterations, least_decrease: 1e-4, ..OptimizeSettings::default() };
         self.optimizer.optimize(&mut self.graph, &settings);
     }
 
     /// Registers all neighbors once more from where they are now, and optimizes.
     pub fn refine(&mut self, n_rounds: usize) {
         for _ in 0..n_rounds {
-            let is_odometry = |link: &Constraint| link.kernel == RobustKernel::Quadratic;
-            self.graph.retain(is_odometry);
+            self.graph.retain(|link| link.kernel == ODOMETER);
             self.tried.clear();
             for frame in 0..self.frames.len() {
                 let before = (frame.saturating_sub(self.settings.n_before)..frame).rev();

@@ -31,7 +31,7 @@ pub(super) struct LoopSettings {
 }
 
 /// Edge of the cells that are laid on each other, meters.
-const RESOLUTION_M: f64 = 0.1;
+pub(super) const RESOLUTION_M: f64 = 0.1;
 /// How near a point must lie to fit, meters.
 const SIGMA_M: f64 = 0.12;
 const N_LEVELS: usize = 8;
@@ -69,9 +69,8 @@ impl LoopSearch {
     pub fn close(&mut self, atlas: &Atlas, frame: usize, settings: &LoopSettings) -> Option<Recognized> {
         let ways_m = atlas.ways_from(frame, f64::INFINITY);
         let here = atlas.pose(frame);
-        let reach_of = |way_m: f64| {
-            (settings.least_reach_m + settings.drift_share * way_m).min(settings.most_reach_m)
-        };
+        let reach_of =
+            |way_m: f64| (settings.least_reach_m + settings.drift_share * way_m).min(settings.most_reach_m);
         let mut candidates: Vec<(u64, usize)> = Vec::new();
         for (other, way_m) in ways_m.iter().enumerate() {
             let off_m = (here.translation.vector - atlas.pose(other).translation.vector).norm();
@@ -85,7 +84,8 @@ impl LoopSearch {
         let mut best: Option<Recognized> = None;
         for (_, place) in candidates {
             let pose = atlas.pose(place);
-            let is_near = |other: &Pose2| (other.translation.vector - pose.translation.vector).norm() < PLACES_APART_M;
+            let is_near =
+                |other: &Pose2| (other.translation.vector - pose.translation.vector).norm() < PLACES_APART_M;
             if looked_at.iter().any(is_near) {
                 continue;
             }
@@ -109,12 +109,18 @@ impl LoopSearch {
     }
 
     /// The place that fits best of all, wherever the robot may be.
-    pub fn anywhere(&mut self, atlas: &Atlas, lately: &[SurfacePoint], settings: &LoopSettings) -> Option<Recognized> {
+    pub fn anywhere(
+        &mut self,
+        atlas: &Atlas,
+        lately: &[SurfacePoint],
+        settings: &LoopSettings,
+    ) -> Option<Recognized> {
         let mut looked_at: Vec<Pose2> = Vec::new();
         let mut best: Option<Recognized> = None;
         for place in 0..atlas.frames.len() {
             let pose = atlas.pose(place);
-            let is_near = |other: &Pose2| (other.translation.vector - pose.translation.vector).norm() < PLACES_APART_M;
+            let is_near =
+                |other: &Pose2| (other.translation.vector - pose.translation.vector).norm() < PLACES_APART_M;
             if looked_at.iter().any(is_near) {
                 continue;
             }
@@ -144,8 +150,7 @@ impl LoopSearch {
         let frames = frames_of(atlas, place);
         let sheet: Vec<SurfacePoint> = atlas.surfaces(frames.iter().copied(), place).collect();
         let (table, grid_from_place) = table_of(&sheet)?;
-        let points: Vec<Point2> =
-            lately.iter().map(|point| Point2::new(point.at[0].into(), point.at[1].into())).collect();
+        let points = points_of(lately);
         let window = SearchWindow {
             grid_from_base: grid_from_place * window.grid_from_base,
             step_rad: turn_step_rad(&points, RESOLUTION_M).max(0.008),
@@ -190,6 +195,11 @@ pub(super) fn thinned(points: impl Iterator<Item = SurfacePoint>) -> Vec<Surface
     by_square.into_iter().map(|(_, point)| point).collect()
 }
 
+/// Places alone.
+pub(super) fn points_of(surface: &[SurfacePoint]) -> Vec<Point2> {
+    surface.iter().map(|point| Point2::new(point.at[0].into(), point.at[1].into())).collect()
+}
+
 /// Frames around a place, of the same visit.
 pub(super) fn frames_of(atlas: &Atlas, place: usize) -> Vec<usize> {
     let here = atlas.pose(place).translation.vector;
@@ -199,7 +209,7 @@ pub(super) fn frames_of(atlas: &Atlas, place: usize) -> Vec<usize> {
 }
 
 /// A table around the points, and where its grid lies.
-fn table_of(points: &[SurfacePoint]) -> Option<(FitTable, Pose2)> {
+pub(super) fn table_of(points: &[SurfacePoint]) -> Option<(FitTable, Pose2)> {
     let mut bounds: Option<([f64; 2], [f64; 2])> = None;
     for point in points {
         let at = point.at.map(f64::from);

@@ -119,7 +119,8 @@ impl Sheet {
     }
 
     fn grid_of(&self, low: [f64; 2], high: [f64; 2]) -> Option<Grid> {
-        let (resolution_m, room_m) = (self.settings.resolution_m, self.settings.limits.max_range_m + MARGIN_M);
+        let (resolution_m, room_m) =
+            (self.settings.resolution_m, self.settings.limits.max_range_m + MARGIN_M);
         let first = low.map(|v| ((v - room_m) / resolution_m).floor());
         let n = |axis: usize| ((high[axis] + room_m) / resolution_m - first[axis]).ceil() as u32;
         let (width, height) = (n(0), n(1));
@@ -156,7 +157,10 @@ impl Sheet {
     fn grown(&self, grid: &Grid, map_from_base: &Pose2) -> Option<Grid> {
         let (header, resolution_m) = (grid.header(), self.settings.resolution_m);
         let low = [header.origin[0], header.origin[1]];
-        let high = [low[0] + f64::from(header.width) * resolution_m, low[1] + f64::from(header.height) * resolution_m];
+        let high = [
+            low[0] + f64::from(header.width) * resolution_m,
+            low[1] + f64::from(header.height) * resolution_m,
+        ];
         let (reach_m, at) = (self.settings.limits.max_range_m, map_from_base.translation.vector);
         let has_room = (0..2).all(|axis| at[axis] - reach_m >= low[axis] && at[axis] + reach_m <= high[axis]);
         if has_room {
@@ -168,7 +172,9 @@ impl Sheet {
             [0, 1].map(|axis| pick(old[axis] + inward, at[axis]))
         };
         let mut larger = self.grid_of(bounds(f64::min, low, room_m), bounds(f64::max, high, -room_m))?;
-        let shift = |axis: usize| ((header.origin[axis] - larger.header().origin[axis]) / resolution_m).round() as usize;
+        let shift = |axis: usize| {
+            ((header.origin[axis] - larger.header().origin[axis]) / resolution_m).round() as usize
+        };
         let (shift_cols, shift_rows, width) = (shift(0), shift(1), larger.width() as usize);
         let cells = larger.cells.make_mut();
         for (row, old) in grid.cells.chunks_exact(header.width as usize).enumerate() {
@@ -179,5 +185,4 @@ impl Sheet {
         }
         Some(larger)
     }
-
 }

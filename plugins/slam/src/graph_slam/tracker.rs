@@ -152,11 +152,7 @@ impl Tracker {
             self.add_key_frame(frame);
         }
         if self.fit != Fit::Lost {
-            self.tracks.push(Track {
-                stamp,
-                frame: self.front.frame,
-                frame_from_base: self.frame_from_base,
-            });
+            self.tracks.push(Track { stamp, frame: self.front.frame, frame_from_base: self.frame_from_base });
         }
     }
 
@@ -236,7 +232,9 @@ impl Tracker {
     /// A lost robot looks for its place in the whole map.
     pub fn look_anywhere(&mut self, surface: &[SurfacePoint]) -> bool {
         let points = thinned(surface.iter().copied());
-        let Some(found) = self.search.anywhere(&self.atlas, &points, &self.settings.loops) else { return false };
+        let Some(found) = self.search.anywhere(&self.atlas, &points, &self.settings.loops) else {
+            return false;
+        };
         self.stand(found.place, found.place_from_frame, &found.frames);
         (self.fit, self.n_missed) = (Fit::Placed, 0);
         true
@@ -252,7 +250,8 @@ impl Tracker {
     fn remember(&mut self, stamp: Time, last: &Pose2) {
         let odom_from_base = self.odom_at(stamp);
         let seconds = self.before.map_or(0.0, |before| (stamp - before.stamp).as_secs());
-        let motion = if self.before.is_some() { last.inverse() * self.frame_from_base } else { Pose2::identity() };
+        let motion =
+            if self.before.is_some() { last.inverse() * self.frame_from_base } else { Pose2::identity() };
         self.before = Some(Before { stamp, odom_from_base, motion, seconds });
     }
 
@@ -365,4 +364,3 @@ impl Tracker {
         poses
     }
 }
-

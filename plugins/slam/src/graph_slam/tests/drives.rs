@@ -44,12 +44,20 @@ fn two_rounds_with_a_bad_odometer_end_on_the_truth_and_so_do_all_scans_and_walls
     let Data::Odometry(last) = &log.last().unwrap()[0].data else { panic!() };
     assert!(off_m(&(poses[0] * last.odom_from_base), poses.last().unwrap()) > 1.0, "the odometer is bad");
     assert_eq!(end.status, Status::Tracking);
-    assert!(off_m(&end.pose2(), poses.last().unwrap()) < 0.05, "{}", off_m(&end.pose2(), poses.last().unwrap()));
+    assert!(
+        off_m(&end.pose2(), poses.last().unwrap()) < 0.05,
+        "{}",
+        off_m(&end.pose2(), poses.last().unwrap())
+    );
     let trajectory = slam.trajectory().unwrap();
     assert_eq!(trajectory.len(), poses.len());
-    let errors: Vec<f64> =
-        trajectory.iter().zip(&poses).map(|(found, truth)| off_m(&flatten(&found.map_from_base), truth)).collect();
-    let (most, mean) = (errors.iter().copied().fold(0.0, f64::max), errors.iter().sum::<f64>() / errors.len() as f64);
+    let errors: Vec<f64> = trajectory
+        .iter()
+        .zip(&poses)
+        .map(|(found, truth)| off_m(&flatten(&found.map_from_base), truth))
+        .collect();
+    let (most, mean) =
+        (errors.iter().copied().fold(0.0, f64::max), errors.iter().sum::<f64>() / errors.len() as f64);
     assert!(most < 0.06 && mean < 0.025, "{most} m, mean {mean} m");
     let grid = map.grid.unwrap();
     let class = |x: f64, y: f64| grid.class(grid.cell_at(rumbo_core::frames::Point2::new(x, y)).unwrap());
@@ -67,7 +75,11 @@ fn without_an_odometer_it_goes_on() {
     let (mut slam, mut map) = (built(&GraphSlamParams::default()), Map::default());
     slam.start(&at(poses[0]), &mut map).unwrap();
     let end = drive(&mut *slam, &mut map, &log(&poses, false));
-    assert!(off_m(&end.pose2(), poses.last().unwrap()) < 0.15, "{}", off_m(&end.pose2(), poses.last().unwrap()));
+    assert!(
+        off_m(&end.pose2(), poses.last().unwrap()) < 0.15,
+        "{}",
+        off_m(&end.pose2(), poses.last().unwrap())
+    );
     assert!(off_m(&flatten(&end.map_from_odom), &Pose2::identity()) < 1e-9);
 }
 
@@ -113,7 +125,11 @@ fn a_robot_that_was_carried_away_finds_itself() {
     assert!(off_m(&last.pose2(), &poses[99]) < 0.1, "{}", off_m(&last.pose2(), &poses[99]));
     slam.relocate(&at(poses[200] * pose2(0.1, -0.1, 0.05)), &mut map).unwrap();
     let told = drive(&mut *slam, &mut map, &log[200..230]);
-    assert!(off_m(&told.pose2(), &poses[229]) < 0.1, "stamps may begin anew: {}", off_m(&told.pose2(), &poses[229]));
+    assert!(
+        off_m(&told.pose2(), &poses[229]) < 0.1,
+        "stamps may begin anew: {}",
+        off_m(&told.pose2(), &poses[229])
+    );
 }
 
 #[test]
@@ -152,6 +168,7 @@ fn impossible_parameters_are_all_named() {
         ..GraphSlamParams::default()
     };
     let keys: Vec<String> = params.check().into_iter().map(|fault| fault.path).collect();
-    let expected = ["resolution_m", "gate_m", "least_overlap", "optimize_every", "max_range_m", "update_factor_free"];
+    let expected =
+        ["resolution_m", "gate_m", "least_overlap", "optimize_every", "max_range_m", "update_factor_free"];
     assert_eq!(keys, expected);
 }

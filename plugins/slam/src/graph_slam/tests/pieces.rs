@@ -49,7 +49,12 @@ fn surfaces_face_the_sensor_at_right_angles_to_their_walls() {
 #[test]
 fn readings_that_are_none_make_no_points() {
     let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.0, 0.05, 99.0];
-    let scan = LaserScan { bearing_step_rad: 0.1, max_range_m: 50.0, ranges_m: odd.to_vec().into(), ..LaserScan::default() };
+    let scan = LaserScan {
+        bearing_step_rad: 0.1,
+        max_range_m: 50.0,
+        ranges_m: odd.to_vec().into(),
+        ..LaserScan::default()
+    };
     assert!(surface(&scan).is_empty());
     assert!(surface(&LaserScan::default()).is_empty());
     assert!(table(&LaserScan::default()).at([0.0, 0.0]).is_none());
@@ -76,7 +81,8 @@ fn a_scan_is_put_back_where_it_was_taken() {
         let first = pose2(1.5 + 0.4 * k as f64, 1.5 + 0.5 * scattered(k), scattered(5 * k));
         let moved = pose2(0.3 * scattered(k + 3), 0.3 * scattered(k + 9), 0.3 * scattered(k + 14));
         let (reference, other) = (scan(&walls, &first, k), scan(&walls, &(first * moved), k + 100));
-        let found = register(&table(&reference), &surface(&other), &expected(Pose2::identity()), &SETTINGS).unwrap();
+        let found =
+            register(&table(&reference), &surface(&other), &expected(Pose2::identity()), &SETTINGS).unwrap();
         let off = moved.inverse() * found.reference_from_scan;
         let (off_m, off_rad) = (off.translation.vector.norm(), off.rotation.angle().abs());
         assert!(off_m < 0.015 && off_rad < 0.005, "{k}: {off_m} m, {off_rad} rad");
@@ -103,6 +109,11 @@ fn nothing_to_register_on_is_no_place() {
     let points = surface(&scan(&walls(), &pose2(1.5, 1.5, 0.0), 1));
     let nowhere = register(&NearestTable::default(), &points, &expected(Pose2::identity()), &SETTINGS);
     assert_eq!(nowhere, None);
-    let far_off = register(&table(&scan(&walls(), &pose2(1.5, 1.5, 0.0), 2)), &points, &expected(pose2(500.0, 0.0, 0.0)), &SETTINGS);
+    let far_off = register(
+        &table(&scan(&walls(), &pose2(1.5, 1.5, 0.0), 2)),
+        &points,
+        &expected(pose2(500.0, 0.0, 0.0)),
+        &SETTINGS,
+    );
     assert_eq!(far_off, None);
 }
