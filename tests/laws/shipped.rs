@@ -54,7 +54,10 @@ const NOT_APPLICABLE: [(&str, &[&str]); 9] = [
     ("it survives a world that answers nonsense, and goes on", &["depth_to_scan"]),
     ("a world turned or mirrored turns the map with it", &["known_marks", "static_map"]),
     ("a world turned or mirrored turns the estimate with it", &["recorded_pose"]),
-    ("an empty map is named where the map is needed", &["gps_imu", "odometry", "recorded_pose"]),
+    (
+        "an empty map is named where the map is needed",
+        &["gps_imu", "odometry", "recorded_pose", "scan_odometry"],
+    ),
 ];
 
 /// Plugins that cannot be without a device, which is not here. `robot` is asked by the tests of its own crate, with an

@@ -122,7 +122,7 @@ impl ScanOdometer {
     fn best(&mut self, prior: &PosePrior) -> Registration {
         let Self { registrar, key, points, settings, .. } = self;
         let first = registrar.register(key, points, prior, settings);
-        let is_fine = first.status.is_good() && first.support >= settings.key_overlap;
+        let is_fine = first.status.is_good() && first.support >= settings.retry_support;
         let is_hopeless = key.len() < settings.min_points || points.len() < settings.min_points;
         if is_fine || is_hopeless {
             return first;

@@ -19,7 +19,7 @@ pub enum MatchStatus {
     TooFewPoints,
     /// Too small a share of the points, or none of the directions: the pose is the prior.
     LowOverlap,
-    /// What matched does not fit: the pose is the prior.
+    /// What matched does not fit, or is too far from the prior: the pose is the prior.
     Diverged,
 }
 
@@ -162,7 +162,10 @@ impl Registrar {
         if overlap < settings.min_overlap {
             return failed(MatchStatus::LowOverlap);
         }
-        if rms_m > settings.max_rms_m || self.matches.len() < settings.min_points {
+        let away = prior.key_from_base.inverse() * pose2(pose.x, pose.y, pose.z);
+        let is_far = away.translation.vector.norm() > settings.max_correction_m
+            || away.rotation.angle().abs() > settings.max_correction_rad;
+        if is_far || rms_m > settings.max_rms_m || self.matches.len() < settings.min_points {
             return failed(MatchStatus::Diverged);
         }
         let equations = self.matches.equations(settings);

@@ -47,12 +47,18 @@ pub struct ScanOdometrySettings {
     pub min_overlap: f64,
     /// A larger root mean square of residuals is no match, meters.
     pub max_rms_m: f64,
+    /// A match farther than this from the prior is none, meters.
+    pub max_correction_m: f64,
+    /// Nor is one that is turned by more, radians.
+    pub max_correction_rad: f64,
     /// What counts as unobserved.
     pub degeneracy: DegeneracyRule,
     /// No match is surer than this of its place, meters.
     pub min_std_m: f64,
     /// No match is surer than this of its direction, radians.
     pub min_std_rad: f64,
+    /// Where a smaller share of the points than this is matched at the smallest distance, other directions are tried, too.
+    pub retry_support: f64,
     /// Other directions to begin from where a match fails: this far apart, radians.
     pub retry_step_rad: f64,
     /// So many of them to each side; none tries once.
@@ -78,9 +84,12 @@ impl Default for ScanOdometrySettings {
             min_points: 30,
             min_overlap: 0.3,
             max_rms_m: 0.05,
+            max_correction_m: 0.5,
+            max_correction_rad: 0.6,
             degeneracy: DegeneracyRule::default(),
             min_std_m: 0.005,
             min_std_rad: 0.002,
+            retry_support: 0.7,
             retry_step_rad: 0.1,
             n_retries: 4,
         }

@@ -63,6 +63,10 @@ pub struct ScanOdometryParams {
     pub min_overlap: f64,
     /// Residuals with a larger root mean square than this are no match, meters: the prediction counts.
     pub max_rms_m: f64,
+    /// A match that is farther than this from the prediction is none, meters: the prediction counts.
+    pub max_correction_m: f64,
+    /// Nor is one that is turned by more, degrees.
+    pub max_correction_deg: f64,
     /// A direction with less than this share of the best one's information is not observed.
     pub degeneracy_ratio: f64,
     /// Nor is one with less information than this a point, 1/m².
@@ -72,6 +76,8 @@ pub struct ScanOdometryParams {
     pub degeneracy_noise_share: f64,
     /// Largest standard deviation along a direction that is not observed, between key scans, meters.
     pub degenerate_deviation_m: f64,
+    /// Where fewer points than this share lie within `least_match_m` of a surface, other directions are tried.
+    pub retry_support: f64,
     /// Where a match fails it is tried again from directions to both sides that are this far apart, degrees.
     pub retry_step_deg: f64,
     /// So many to each side; 0 tries once.
@@ -109,7 +115,7 @@ impl Default for ScanOdometryParams {
         let scan = ScanOdometrySettings::default();
         ScanOdometryParams {
             prediction: Prediction::Gyro,
-            carry_on_s: 0.5,
+            carry_on_s: 1.0,
             speed_deviation_m_s: 0.2,
             turn_deviation_deg_s: 20.0,
             gyro_deviation_deg_s: 0.5,
@@ -128,10 +134,13 @@ impl Default for ScanOdometryParams {
             min_points: scan.min_points,
             min_overlap: scan.min_overlap,
             max_rms_m: scan.max_rms_m,
+            max_correction_m: scan.max_correction_m,
+            max_correction_deg: 34.4,
             degeneracy_ratio: scan.degeneracy.ratio,
             degeneracy_floor: scan.degeneracy.floor,
             degeneracy_noise_share: scan.degeneracy.pretended_share,
             degenerate_deviation_m: scan.degeneracy.std_m,
+            retry_support: scan.retry_support,
             retry_step_deg: 5.73,
             retries: scan.n_retries,
             lost_after_scans: 10,
@@ -176,12 +185,15 @@ impl ScanOdometryParams {
             min_points: self.min_points,
             min_overlap: self.min_overlap,
             max_rms_m: self.max_rms_m,
+            max_correction_m: self.max_correction_m,
+            max_correction_rad: self.max_correction_deg.to_radians(),
             degeneracy: DegeneracyRule {
                 ratio: self.degeneracy_ratio,
                 floor: self.degeneracy_floor,
                 pretended_share: self.degeneracy_noise_share,
                 std_m: self.degenerate_deviation_m,
             },
+            retry_support: self.retry_support,
             retry_step_rad: self.retry_step_deg.to_radians(),
             n_retries: self.retries,
             ..ScanOdometrySettings::default()
@@ -210,13 +222,19 @@ impl Params for ScanOdometryParams {
                 ("range_noise_m", self.range_noise_m),
                 ("huber_m", self.huber_m),
                 ("max_rms_m", self.max_rms_m),
+                ("max_correction_m", self.max_correction_m),
+                ("max_correction_deg", self.max_correction_deg),
                 ("degeneracy_noise_share", self.degeneracy_noise_share),
                 ("degenerate_deviation_m", self.degenerate_deviation_m),
                 ("retry_step_deg", self.retry_step_deg),
             ],
         );
-        let shares =
-            [("key_overlap", self.key_overlap), ("trim", self.trim), ("min_overlap", self.min_overlap)];
+        let shares = [
+            ("key_overlap", self.key_overlap),
+            ("trim", self.trim),
+            ("min_overlap", self.min_overlap),
+            ("retry_support", self.retry_support),
+        ];
         for (key, share) in shares.into_iter().filter(|(_, share)| !(0.0..1.0).contains(share)) {
             faults.push(BuildError::at(key, format!("is {share}, expected a share of at least 0, below 1")));
         }

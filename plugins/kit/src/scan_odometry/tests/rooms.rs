@@ -138,6 +138,11 @@ fn what_matches_badly_or_hardly_leaves_the_prior_and_says_so() {
     let elsewhere: Vec<Wall> = around(&[[-9.0, -8.0], [8.0, -9.0], [9.0, 8.0], [-8.0, 9.0]]);
     let other = placed(&seen(&elsewhere, &at, 361, 0.01, &mut rng));
     assert!(!told(&registrar.register(&key, &other, &given, &settings)).is_good());
+    let start = registration::numbers(&given.key_from_base);
+    let close = ScanOdometrySettings { max_correction_m: 0.01, ..settings };
+    let near = placed(&seen(&room(), &at, 361, 0.01, &mut rng));
+    let matched = registrar.register_from(&key, &near, start, &given, &close);
+    assert_eq!(told(&matched), MatchStatus::Diverged, "it is at the key, 5 cm from the prior");
     let mut rough = full.clone();
     for (k, range) in rough.ranges_m.make_mut().iter_mut().enumerate() {
         *range += if k % 3 == 0 {
