@@ -5,6 +5,26 @@ use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, SVector, Unit, Vector2, Vec
 use super::model::{ATTITUDE, GRAVITY_M_S2, GYRO_BIAS, ImuSample, NavState, VELOCITY};
 use super::settings::NavSettings;
 
+/// Which measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AidKind {
+    /// Which way is up.
+    Leveling,
+    /// The robot stands.
+    Standing,
+    /// And does not turn.
+    Rates,
+    /// It neither slides nor flies.
+    Sliding,
+    /// Somebody measured its velocity.
+    Velocity,
+}
+
+impl AidKind {
+    /// How many there are.
+    pub const COUNT: usize = 5;
+}
+
 /// A measurement of the state: what it differs from the expected by, how it depends on the errors, its covariance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aid<const M: usize> {

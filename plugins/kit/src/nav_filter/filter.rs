@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Matrix3, Matrix6, Rotation2, SMatrix, UnitQuaternion, Ve
 use rumbo_core::frames::{Pose2, Pose3, Twist, is_finite2, lift, wrap_angle};
 use rumbo_core::time::Time;
 
-use super::aids::{floor_velocity, is_gravity, leveled_angles, yaw_by_errors};
+use super::aids::{AidKind, floor_velocity, is_gravity, leveled_angles, yaw_by_errors};
 use super::euler::angles_by_errors;
 use super::history::{History, Moment, Tally};
 use super::intersection::{PlanarPose, intersect, intersect_pose};
@@ -154,8 +154,15 @@ impl NavFilter {
             covariance[(ACCEL_BIAS + k, ACCEL_BIAS + k)] = settings.accel_bias_m_s2.powi(2).max(LEAST);
         }
         let (sample, last_aid) = (*sample, Some(stamp));
-        let mut moment =
-            Moment { stamp, sample, state, covariance, is_standing: false, last_aid, n_refused: 0 };
+        let mut moment = Moment {
+            stamp,
+            sample,
+            state,
+            covariance,
+            is_standing: false,
+            last_aid,
+            n_refused: [0; AidKind::COUNT],
+        };
         // The frame begins with the robot's own yaw, which is therefore certain.
         anchor(&mut moment);
         moment
@@ -231,7 +238,8 @@ impl NavFilter {
             return false;
         }
         self.revise(stamp, |moment, settings, tally| {
-            moment.update(&floor_velocity(&moment.state, floor_m_s, r), settings, tally)
+            let aid = floor_velocity(&moment.state, floor_m_s, r);
+            moment.update(AidKind::Velocity, &aid, settings, tally)
         })
     }
 

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use nalgebra::{Const, DimMin, ToTypenum};
 use rumbo_core::time::{Span, Time};
 
-use super::aids::{Aid, is_gravity, leveling, no_flying, no_sliding, zero_rate, zero_velocity};
+use super::aids::{Aid, AidKind, is_gravity, leveling, no_flying, no_sliding, zero_rate, zero_velocity};
 use super::model::{
     ATTITUDE, Covariance, ImuSample, NavState, POSITION, VELOCITY, carried, jacobian, noise, propagate,
 };
@@ -36,8 +36,8 @@ pub struct Moment {
     pub is_standing: bool,
     /// When an aid was last used.
     pub last_aid: Option<Time>,
-    /// Updates refused in a row.
-    pub n_refused: u32,
+    /// Updates refused in a row, of each kind: that others fit is no comfort.
+    pub n_refused: [u32; AidKind::COUNT],
 }
 
 impl Moment {
@@ -85,46 +85,57 @@ impl Moment {
         if is_gravity(&sample, settings)
             && let Some(aid) = leveling(&self.state, &sample.forces_m_s2, settings.leveling_std_rad)
         {
-            self.update(&aid, settings, tally);
+            self.update(AidKind::Leveling, &aid, settings, tally);
         }
         if self.is_standing {
             let aid = zero_velocity(&self.state, settings.standing_m_s);
-            self.update(&aid, settings, tally);
+            self.update(AidKind::Standing, &aid, settings, tally);
             let std_rad_s = settings.gyro_noise_rad_s.hypot(settings.standing_rad_s);
             let aid = zero_rate(&self.state, &sample.rates_rad_s, std_rad_s);
-            self.update(&aid, settings, tally);
+            self.update(AidKind::Rates, &aid, settings, tally);
             return;
         }
         let vertical_m_s = settings.body_vertical_m_s;
         match settings.body_lateral_m_s {
-            Some(lateral_m_s) => {
-                self.update(&no_sliding(&self.state, lateral_m_s, vertical_m_s), settings, tally)
-            }
-            None => self.update(&no_flying(&self.state, vertical_m_s), settings, tally),
+            Some(lateral_m_s) => self.update(
+                AidKind::Sliding,
+                &no_sliding(&self.state, lateral_m_s, vertical_m_s),
+                settings,
+                tally,
+            ),
+            None => self.update(AidKind::Sliding, &no_flying(&self.state, vertical_m_s), settings, tally),
         };
     }
 
     /// An update by a measurement whose errors have nothing to do with those of the state. Returns whether it was used.
-    pub fn update<const M: usize>(&mut self, aid: &Aid<M>, settings: &NavSettings, tally: &mut Tally) -> bool
+    pub fn update<const M: usize>(
+        &mut self,
+        kind: AidKind,
+        aid: &Aid<M>,
+        settings: &NavSettings,
+        tally: &mut Tally,
+    ) -> bool
     where
         Const<M>: DimMin<Const<M>, Output = Const<M>> + ToTypenum,
     {
         let updated = joseph(&self.covariance, &aid.h, &aid.r, &aid.innovation);
         let gate = CHI2_95.get(M - 1).copied().unwrap_or(f64::INFINITY);
         if updated.as_ref().is_some_and(|updated| updated.mahalanobis2 > gate) {
-            self.refuse(settings, tally);
+            self.refuse(kind, settings, tally);
             return false;
         }
+        self.n_refused[kind as usize] = 0;
         self.adopt(updated.as_ref(), tally)
     }
 
     /// An update was refused: after too many in a row the filter was too sure of itself.
-    pub fn refuse(&mut self, settings: &NavSettings, tally: &mut Tally) {
+    fn refuse(&mut self, kind: AidKind, settings: &NavSettings, tally: &mut Tally) {
         tally.n_rejected += 1;
-        self.n_refused += 1;
-        if self.n_refused > settings.max_rejects {
+        let n_refused = &mut self.n_refused[kind as usize];
+        *n_refused += 1;
+        if *n_refused > settings.max_rejects {
             self.covariance *= 4.0;
-            self.n_refused = 0;
+            *n_refused = 0;
         }
     }
 
@@ -136,7 +147,7 @@ impl Moment {
             .filter(|(updated, state)| state.is_finite() && updated.covariance.cholesky().is_some());
         match good {
             Some((updated, state)) => {
-                (self.state, self.covariance, self.n_refused) = (state, updated.covariance, 0);
+                (self.state, self.covariance) = (state, updated.covariance);
                 true
             }
             None => {
