@@ -6,6 +6,7 @@ mod open;
 mod pace;
 pub mod poses;
 mod progress;
+mod silent;
 pub mod summary;
 
 use crate::drive::drive_engine;
@@ -23,6 +24,7 @@ use pace::Pace;
 use poses::Poses;
 use progress::Progress;
 use rumbo_core::engine::{EndReason, Engine, Observer};
+use silent::Silent;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -108,7 +110,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     if let (Some(path), Some(poses)) = (&args.poses, &poses) {
         write_file(path, poses.text().as_bytes())?;
         written.push(("poses", path.clone()));
-        if poses.is_empty() {
+        if poses.is_empty() && !args.quiet {
             terminal.say(format!(
                 "{} no poses: no laser scan came while somebody knew where the robot was",
                 terminal.bad("note:")
@@ -166,7 +168,8 @@ fn watched_drive(
     end_when_lost(recording.clone(), *terminal);
     let mut progress = (!args.quiet && terminal.has_people()).then(|| Progress::new(&ready.pipeline));
     let mut pace = args.speed.map(Pace::new);
-    let mut others: Vec<&mut dyn Observer> = vec![&mut recording];
+    let mut silent = Silent::of(&ready.pipeline);
+    let mut others: Vec<&mut dyn Observer> = vec![&mut recording, &mut silent];
     others.extend(progress.as_mut().map(|progress| progress as &mut dyn Observer));
     others.extend(poses.as_mut().map(|poses| poses as &mut dyn Observer));
     others.extend(pace.as_mut().map(|pace| pace as &mut dyn Observer));
@@ -177,6 +180,15 @@ fn watched_drive(
     }
     if let Some(recording) = recording.take() {
         recording.finish(&driven.end, &engine.view())?;
+    }
+    if !args.quiet {
+        for name in silent.names() {
+            let advice = "a recording may have no channel of this name, see `rumbo plugins describe log`";
+            terminal.say(format!(
+                "{} `{name}` gave nothing during the whole run; {advice}",
+                terminal.bad("note:")
+            ));
+        }
     }
     let leaves = Leaves::of(args, &engine);
     Ok((driven.record, leaves))

@@ -24,7 +24,7 @@ const SAME_STAMP_S: f64 = 0.000_05;
 ///
 /// Every pipeline plays every log as its world (`world.file`). Where the robot was at its scans, as the plugin thought at
 /// the time and as it knows at the end of the run, is judged by known relations between scans (as `rumbo eval relations`),
-/// which lie beside the log: NAME.clf.gz and NAME.relations.gz.
+/// which lie beside the log: NAME.clf.gz and NAME.relations.gz; NAME-part.clf.gz takes them too.
 #[derive(clap::Args)]
 pub struct Args {
     /// Pipelines with a [slam] whose world is a log
@@ -93,21 +93,23 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     Ok(if all_played { Exit::Success } else { Exit::NoSuccess })
 }
 
-/// The relations beside a log: `x.clf.gz` has `x.relations.gz` or `x.relations`.
+/// The relations beside a log: `x-y.clf.gz` has `x-y.relations.gz`, `x-y.relations`, or those of `x`.
 fn relations_of(log: &Path) -> Result<Vec<Relation>, Failure> {
     let name = log.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let stem = name.split('.').next().unwrap_or_default();
-    let beside = |ending: &str| log.with_file_name(format!("{stem}.{ending}"));
-    let found = [beside("relations.gz"), beside("relations")].into_iter().find(|path| path.exists());
-    let path = found.ok_or_else(|| {
-        let missing = beside("relations.gz");
-        Failure::Usage(format!(
-            "{} has no relations beside it: there is no {}",
-            log.display(),
-            missing.display()
-        ))
+    let whole = name.split('.').next().unwrap_or_default();
+    let stems = std::iter::successors(Some(whole), shorter);
+    let beside = |stem: &str, ending: &str| log.with_file_name(format!("{stem}.{ending}"));
+    let found = stems.flat_map(|stem| [beside(stem, "relations.gz"), beside(stem, "relations")]);
+    let path = found.into_iter().find(|path| path.exists()).ok_or_else(|| {
+        let (log, missing) = (log.display(), beside(whole, "relations.gz"));
+        Failure::Usage(format!("{log} has no relations beside it: there is no {}", missing.display()))
     })?;
     read_relations(&path).map(|(relations, _)| relations).map_err(|error| Failure::Usage(error.to_string()))
+}
+
+/// A name without its last part.
+fn shorter<'n>(name: &&'n str) -> Option<&'n str> {
+    name.rsplit_once('-').map(|(front, _)| front)
 }
 
 fn row_of(

@@ -157,12 +157,12 @@ fn an_interrupted_run_saves_its_state_too() {
 #[test]
 fn several_logs_and_pipelines_are_one_table_with_the_errors_of_their_relations() {
     let folder = scratch("eval_slam");
-    let log = folder.join("tour.clf.gz");
+    let log = folder.join("tour-of-it.clf.gz");
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("pipelines/logs/office_tour.clf.gz");
     std::fs::copy(shipped, &log).unwrap();
     let words = ["eval", "slam", LINES, "--log", log.to_str().unwrap(), "--json"];
     let missing = give(&words);
-    assert!(missing.code == 2 && missing.stderr.contains("tour.relations.gz"), "{}", missing.stderr);
+    assert!(missing.code == 2 && missing.stderr.contains("tour-of-it.relations.gz"), "{}", missing.stderr);
     // Relations that are the run's own poses, but one is 0.3 m and one 0.2 rad off.
     let poses = folder.join("poses.txt");
     let set = format!("world.file={}", log.display());
@@ -187,7 +187,7 @@ fn several_logs_and_pipelines_are_one_table_with_the_errors_of_their_relations()
     assert_eq!(given.code, 0, "{}", given.stderr);
     let rows = given.json();
     let row = &rows[0];
-    assert_eq!((&row["log"], &row["plugin"]), (&"tour".into(), &"ekf_line_slam".into()));
+    assert_eq!((&row["log"], &row["plugin"]), (&"tour-of-it".into(), &"ekf_line_slam".into()));
     assert_eq!((&row["n_relations"], &row["at_the_time"]["n_used"]), (&4.into(), &3.into()));
     let mean = |kind: &str| row["at_the_time"][kind]["mean"].as_f64().unwrap();
     assert!((mean("translation_m") - 0.1).abs() < 1e-4, "{row}");
@@ -197,4 +197,25 @@ fn several_logs_and_pipelines_are_one_table_with_the_errors_of_their_relations()
     assert!(table.stderr.contains("3 of 4") && table.stderr.contains("0.1000 +- "), "{}", table.stderr);
     let no_slam = give(&["eval", "slam", OFFICE, "--log", log.to_str().unwrap()]);
     assert_eq!(no_slam.code, 2, "{}", no_slam.stderr);
+}
+
+#[test]
+fn a_log_without_scans_is_played_and_says_what_is_missing() {
+    let folder = scratch("no_scans");
+    let [before, _] = halves(&folder, 480.0);
+    let text = std::fs::read_to_string(&before).unwrap();
+    let log = folder.join("no_scans.clf");
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with("FLASER")).collect();
+    std::fs::write(&log, lines.join("\n") + "\n").unwrap();
+    let (set, poses) = (format!("world.file={}", log.display()), folder.join("poses.txt"));
+    let words = ["run", LINES, "--set", &set, "--no-report", "--poses", poses.to_str().unwrap()];
+    let given = give(&words);
+    assert_eq!(given.code, 0, "{}", given.stderr);
+    assert!(given.stderr.contains("`front_laser` gave nothing during the whole run"), "{}", given.stderr);
+    assert!(!given.stderr.contains("`odometry` gave nothing"), "{}", given.stderr);
+    assert!(given.stderr.contains("no poses: no laser scan came"), "{}", given.stderr);
+    let whole = give(&["run", LINES, "--duration", "20", "--no-report"]);
+    assert!(!whole.stderr.contains("gave nothing"), "{}", whole.stderr);
+    let quiet = give(&[&words[..], &["--quiet"]].concat());
+    assert_eq!(quiet.stderr, "");
 }

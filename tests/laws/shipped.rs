@@ -54,6 +54,11 @@ const NOT_APPLICABLE: [(&str, &[&str]); 9] = [
     ("it survives a world that answers nonsense, and goes on", &["depth_to_scan"]),
     ("a world turned or mirrored turns the map with it", &["known_marks", "static_map"]),
     ("a world turned or mirrored turns the estimate with it", &["recorded_pose"]),
+    // A filter knows where the robot is, not where it was.
+    (
+        "its trajectory is finite, in order, and of moments at which it was given something",
+        &["ekf_line_slam"],
+    ),
     (
         "an empty map is named where the map is needed",
         &["gps_imu", "odometry", "recorded_pose", "scan_odometry"],
