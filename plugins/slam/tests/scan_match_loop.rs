@@ -115,7 +115,7 @@ fn the_capture_range_is_what_the_specification_asks_for() {
         let mut mapper = Mapper::start_at(&params, lane(0.0));
         for k in 0..220 {
             let truth = lane(f64::from(k) * 0.2);
-            mapper.relocate(truth);
+            mapper.relocate_exactly(truth);
             mapper.see(&[laser(f64::from(k) + 1.0, world.scan(&truth, &mut rng))]);
         }
         for (away_m, away_deg, least) in cases {
