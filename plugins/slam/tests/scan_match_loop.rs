@@ -18,7 +18,8 @@ use world::{LoopWorld, lane, laser, stream};
 const FAST: Course = Course { speed_m_s: 1.38, rate_hz: 10.0, has_gyro: false, seed: 1 };
 
 fn with_levels(levels: u32) -> ScanMatchSlamParams {
-    ScanMatchSlamParams { levels, ..ScanMatchSlamParams::default() }
+    // No odometer here: the prior is the velocity, which a simulated robot keeps.
+    ScanMatchSlamParams { levels, use_prior: true, ..ScanMatchSlamParams::default() }
 }
 
 fn within(outcome: &Outcome, most_m: f64, most_deg: f64) {
