@@ -61,8 +61,6 @@ impl MatchGate {
     pub fn judge(&self, found: &ScanMatch, map_from_expected: &Pose2) -> MatchStatus {
         let away = difference(map_from_expected, &found.map_from_base);
         let is_far = away.xy().norm() > self.max_correction_m || away.z.abs() > self.max_correction_rad;
-        // Where nothing could be better than the start, that is not a failure: the costs are then the same.
-        let is_worse = found.end.mean_cost() > found.start.mean_cost();
         if found.n_points < self.min_points {
             MatchStatus::TooFewPoints
         } else if found.overlap() < self.min_overlap
@@ -70,8 +68,7 @@ impl MatchGate {
             || found.seen.is_empty()
         {
             MatchStatus::LowOverlap
-        } else if is_far || found.end.mean_cost() > self.max_mean_cost || is_worse && found.seen.is_complete()
-        {
+        } else if is_far || found.end.mean_cost() > self.max_mean_cost {
             MatchStatus::Diverged
         } else if found.seen.is_complete() {
             MatchStatus::Ok

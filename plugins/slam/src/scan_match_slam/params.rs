@@ -28,7 +28,8 @@ pub struct ScanMatchSlamParams {
     pub grow_block_cells: u32,
     /// The grid does not grow beyond this.
     pub max_cells: u64,
-    /// Probability that a cell is occupied although a beam passed it; below 0.5.
+    /// Probability that a cell is occupied although a beam passed it; below 0.5. Nearer to it than a map for people
+    /// has: beams that graze a wall free its cells, and a wall that is thinned moves the next scan.
     pub update_factor_free: f64,
     /// Probability that a cell is occupied in which a beam ended; above 0.5.
     pub update_factor_occupied: f64,
@@ -58,7 +59,8 @@ pub struct ScanMatchSlamParams {
     /// Where a match begins: `odometry` (or the gyroscope, or else the last velocity), `constant_velocity`, or `none` for
     /// the last pose.
     pub prediction: Prediction,
-    /// The match also minds where it began, by the errors below.
+    /// The match also minds where it began, by the errors below, along all directions. Off by default: on real logs
+    /// odometers pull maps apart; along directions that a scan does not see the pose is that of the prediction anyway.
     pub use_prior: bool,
     /// Variance of one point's misfit (0 to 1) against the prior: larger trusts the odometer more.
     pub residual_variance: f64,
@@ -130,7 +132,7 @@ impl Default for ScanMatchSlamParams {
             levels: 5,
             grow_block_cells: 256,
             max_cells: rumbo_kit::map_file::DEFAULT_MAX_CELLS,
-            update_factor_free: 0.4,
+            update_factor_free: 0.45,
             update_factor_occupied: 0.9,
             p_min: 0.01,
             p_max: 0.99,
@@ -144,7 +146,7 @@ impl Default for ScanMatchSlamParams {
             full_weight_spacing_m: 0.0,
             half_weight_noise_m: 0.0,
             prediction: Prediction::Odometry,
-            use_prior: true,
+            use_prior: false,
             residual_variance: 0.15,
             odometer_way: 0.1,
             odometer_turn: 0.1,
@@ -157,10 +159,10 @@ impl Default for ScanMatchSlamParams {
             covariance: CovarianceRule::Curvature,
             degeneracy_ratio: 1e-3,
             min_points: 30,
-            min_known: 0.3,
+            min_known: 0.1,
             max_correction_m: 0.5,
             max_correction_deg: 20.0,
-            max_mean_cost: 0.5,
+            max_mean_cost: 0.7,
             explore_grace_m: 2.0,
             lost_after_scans: 20,
             look_every_scans: 5,

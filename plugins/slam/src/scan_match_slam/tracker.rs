@@ -247,13 +247,16 @@ impl ScanTracker {
         let reach = self.reach();
         if let Some(place) = self.places.near(map, &self.points, &predicted.map_from_base, reach) {
             let (near, near_status) = self.match_from(&place, None, map);
-            if near_status.is_match() {
+            // It may be a place that only looks alike: so near the prior that must not be believed lightly.
+            if near_status == MatchStatus::Ok
+                && near.as_ref().is_some_and(|near| near.end.mean_cost() < NEAR_COST)
+            {
                 self.counters.found_near += 1;
                 return (near, near_status);
             }
         }
         let every = self.settings.look_every_scans.max(1);
-        if self.is_lost() && self.n_without_match.is_multiple_of(every) {
+        if self.is_lost() && (self.n_without_match - self.settings.lost_after_scans).is_multiple_of(every) {
             if let Some(place) = self.places.anywhere(map, &self.points) {
                 let (far, far_status) = self.match_from(&place, None, map);
                 if far_status == MatchStatus::Ok {
@@ -365,6 +368,9 @@ impl ScanTracker {
         Ok(true)
     }
 }
+
+/// A place that was searched for must fit as well as scans fit on the way.
+const NEAR_COST: f64 = 0.3;
 
 /// Turns covariances of the base's axes into the map's.
 fn in_map(map_from_base: &Pose2) -> Matrix3<f64> {
