@@ -115,12 +115,12 @@ impl Default for LoopParams {
             trusted_way_m: 15.0,
             drift_share: 0.03,
             least_reach_m: 1.0,
-            most_reach_m: 12.0,
+            most_reach_m: 8.0,
             reach_deg: 30.0,
             least_score: 0.55,
             most_rival: 0.9,
             lately: 8,
-            places: 6,
+            places: 3,
         }
     }
 }
