@@ -134,7 +134,7 @@ impl Default for GraphSlamParams {
             map_range_m: 20.0,
             clear_range_m: 0.0,
             update_factor_free: 0.4,
-            update_factor_occupied: 0.8,
+            update_factor_occupied: 0.9,
             min_points: 30,
             key_frame_every_m: 0.25,
             key_frame_every_deg: 10.0,
