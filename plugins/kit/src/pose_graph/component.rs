@@ -18,8 +18,8 @@ pub(super) fn held_poses(graph: &PoseGraph) -> Vec<bool> {
         }
     }
     let mut part_is_held = vec![false; n];
-    for node in 0..n {
-        if is_held_by_prior[node] || graph.fixed()[node] {
+    for (node, (by_prior, is_fixed)) in is_held_by_prior.iter().zip(graph.fixed()).enumerate() {
+        if *by_prior || *is_fixed {
             let first = first_of(&mut toward, node);
             part_is_held[first] = true;
         }

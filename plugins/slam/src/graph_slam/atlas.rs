@@ -47,8 +47,8 @@ pub(super) struct TieSettings {
     pub kernel_c: f64,
 }
 
-/// Odometers slip: they must not hold apart what scans tie together.
-const ODOMETER: RobustKernel = RobustKernel::Huber { c: 1.0 };
+/// What the odometer says is never doubted, only weak: ties by scans have robust kernels, and are known by them.
+const ODOMETER: RobustKernel = RobustKernel::Quadratic;
 /// A turn of one radian is as long a way as this, meters.
 const TURN_AS_WAY_M: f64 = 0.5;
 

@@ -31,7 +31,7 @@ pub(super) struct LoopSettings {
 }
 
 /// Edge of the cells that are laid on each other, meters.
-pub(super) const RESOLUTION_M: f64 = 0.1;
+const RESOLUTION_M: f64 = 0.1;
 /// How near a point must lie to fit, meters.
 const SIGMA_M: f64 = 0.12;
 const N_LEVELS: usize = 8;
@@ -116,7 +116,7 @@ impl LoopSearch {
         settings: &LoopSettings,
     ) -> Option<Recognized> {
         let mut looked_at: Vec<Pose2> = Vec::new();
-        let mut best: Option<Recognized> = None;
+        let mut all: Vec<Recognized> = Vec::new();
         for place in 0..atlas.frames.len() {
             let pose = atlas.pose(place);
             let is_near =
@@ -130,12 +130,21 @@ impl LoopSearch {
                 reach_m: PLACES_APART_M,
                 reach_rad: std::f64::consts::PI,
                 step_rad: 0.0,
-                least_score: best.as_ref().map_or(settings.least_score, |best| best.score),
+                least_score: settings.least_score,
                 most_nodes: MOST_NODES,
             };
-            best = self.look(atlas, place, lately, &window, settings.most_rival).or(best);
+            all.extend(self.look(atlas, place, lately, &window, settings.most_rival));
         }
-        best
+        let best = all.iter().max_by(|a, b| a.score.total_cmp(&b.score))?.clone();
+        // The same place is found from several frames; another one that fits about as well is a rival.
+        let map_from_best = atlas.pose(best.place) * best.place_from_frame;
+        let is_rival = |other: &Recognized| {
+            let off = map_from_best.inverse() * atlas.pose(other.place) * other.place_from_frame;
+            let is_elsewhere =
+                off.translation.vector.norm() > ELSEWHERE[0] || off.rotation.angle().abs() > ELSEWHERE[1];
+            is_elsewhere && other.score > settings.most_rival * best.score
+        };
+        (!all.iter().any(is_rival)).then_some(best)
     }
 
     /// Lays points on the surroundings of a place; the window is that of the place's frame.
@@ -196,7 +205,7 @@ pub(super) fn thinned(points: impl Iterator<Item = SurfacePoint>) -> Vec<Surface
 }
 
 /// Places alone.
-pub(super) fn points_of(surface: &[SurfacePoint]) -> Vec<Point2> {
+fn points_of(surface: &[SurfacePoint]) -> Vec<Point2> {
     surface.iter().map(|point| Point2::new(point.at[0].into(), point.at[1].into())).collect()
 }
 
@@ -209,7 +218,7 @@ pub(super) fn frames_of(atlas: &Atlas, place: usize) -> Vec<usize> {
 }
 
 /// A table around the points, and where its grid lies.
-pub(super) fn table_of(points: &[SurfacePoint]) -> Option<(FitTable, Pose2)> {
+fn table_of(points: &[SurfacePoint]) -> Option<(FitTable, Pose2)> {
     let mut bounds: Option<([f64; 2], [f64; 2])> = None;
     for point in points {
         let at = point.at.map(f64::from);

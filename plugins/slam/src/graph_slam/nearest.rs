@@ -83,6 +83,7 @@ impl NearestTable {
     }
 
     /// All points.
+    #[cfg(test)]
     pub fn points(&self) -> &[SurfacePoint] {
         &self.points
     }

@@ -115,12 +115,12 @@ impl Default for LoopParams {
             trusted_way_m: 15.0,
             drift_share: 0.03,
             least_reach_m: 1.0,
-            most_reach_m: 12.0,
+            most_reach_m: 8.0,
             reach_deg: 30.0,
             least_score: 0.55,
             most_rival: 0.9,
             lately: 8,
-            places: 6,
+            places: 3,
         }
     }
 }
@@ -134,7 +134,7 @@ impl Default for GraphSlamParams {
             map_range_m: 20.0,
             clear_range_m: 0.0,
             update_factor_free: 0.4,
-            update_factor_occupied: 0.8,
+            update_factor_occupied: 0.9,
             min_points: 30,
             key_frame_every_m: 0.25,
             key_frame_every_deg: 10.0,

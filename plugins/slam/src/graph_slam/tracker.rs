@@ -198,7 +198,10 @@ impl Tracker {
             self.guess(prediction);
             return;
         }
-        if let Some(found) = self.front.place(&self.atlas, surface, prediction) {
+        // A lost robot would take the next best corridor for the one that it remembers.
+        let is_lost = self.fit == Fit::Lost;
+        let found = if is_lost { None } else { self.front.place(&self.atlas, surface, prediction) };
+        if let Some(found) = found {
             self.frame_from_base = found.reference_from_scan;
             let information = found.information * self.settings.tie.believed_share;
             let [off_m, off_rad] = prediction.deviation;
