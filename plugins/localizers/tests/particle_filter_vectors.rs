@@ -9,14 +9,14 @@ use rumbo_kit::beam_table::BeamShape;
 use rumbo_kit::grid_poses::GridPoses;
 use rumbo_kit::likelihood_field::{FieldShape, LikelihoodField};
 use rumbo_kit::normal::{upper_quantile, upper_tail};
+use rumbo_kit::resampling::{ResampleError, effective_number, low_variance};
+use rumbo_kit::turn_way_turn::TurnWayTurn;
 use rumbo_localizers::particle_filter::beams::ScanBeams;
 use rumbo_localizers::particle_filter::kld::{KldBound, sample_size};
 use rumbo_localizers::particle_filter::measurement::{FieldModel, MeasurementModel, Obstacles};
 use rumbo_localizers::particle_filter::motion::{MotionModel, OdometryMotion};
-use rumbo_kit::turn_way_turn::TurnWayTurn;
 use rumbo_localizers::particle_filter::particles::Particles;
 use rumbo_localizers::particle_filter::recovery::Recovery;
-use rumbo_kit::resampling::{ResampleError, effective_number, low_variance};
 use serde_json::Value;
 
 fn vector(name: &str) -> Value {
