@@ -239,7 +239,7 @@ fn weights_that_are_no_numbers_count_nothing_and_when_none_is_left_all_are_equal
     let Data::LaserScan(scan) = &seen[1].data else { panic!() };
     let mut points = ScanPoints::default();
     tracker.filter().settings().preparation.clone().prepare(scan, &Pose3::identity(), &mut points);
-    let mut take = |tracker: &mut Tracker| {
+    let take = |tracker: &mut Tracker| {
         tracker.filter.take(&KeyScan {
             scan,
             base_from_sensor: Pose3::identity(),

@@ -77,7 +77,8 @@ fn the_gaussian_of_the_curvature_is_the_integral_over_a_fine_raster() {
     for i in -n..=n {
         for j in -n..=n {
             for k in -n..=n {
-                let x = Vector3::new(f64::from(i), f64::from(j), f64::from(k)).component_mul(&steps.into());
+                let x = Vector3::new(f64::from(i), f64::from(j), f64::from(k))
+                    .component_mul(&Vector3::from(steps));
                 let tau = (ln_scan(&x) + ln_motion(&x)).exp();
                 sum += tau;
                 second += x * x.transpose() * tau;
