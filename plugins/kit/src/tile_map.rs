@@ -65,4 +65,3 @@ impl TileMap {
         self.levels.iter().map(|level| level.tiles().count()).sum()
     }
 }
-

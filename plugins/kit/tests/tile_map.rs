@@ -111,7 +111,9 @@ fn a_clone_shares_all_tiles_until_one_is_written_and_then_all_others() {
     let before = map.clone();
     let shared = |a: &TileMap, b: &TileMap| {
         let levels = a.levels().iter().zip(b.levels());
-        levels.map(|(a, b)| a.tiles().filter(|(at, t)| b.tile(*at).is_some_and(|o| Arc::ptr_eq(t, o))).count()).sum()
+        levels
+            .map(|(a, b)| a.tiles().filter(|(at, t)| b.tile(*at).is_some_and(|o| Arc::ptr_eq(t, o))).count())
+            .sum()
     };
     let (mut written, n_all): (TileMap, usize) = (map.clone(), map.n_tiles());
     assert_eq!(shared(&map, &written), n_all);
@@ -139,7 +141,8 @@ fn a_scan_is_matched_with_tiles_as_with_the_grid_that_they_are_written_to() {
     }
     for _ in 0..50 {
         let pose = random_pose(&mut rng);
-        let (tiles, plain) = (linearize(&view, &points, &pose), linearize(&GridLevel::from(&grid), &points, &pose));
+        let (tiles, plain) =
+            (linearize(&view, &points, &pose), linearize(&GridLevel::from(&grid), &points, &pose));
         assert_eq!((tiles.n_used, tiles.n_known), (plain.n_used, plain.n_known));
         assert!((tiles.cost - plain.cost).abs() < 1e-4 * plain.cost, "{} {}", tiles.cost, plain.cost);
         assert!((tiles.hessian - plain.hessian).amax() < 1e-3 * plain.hessian.amax());
@@ -154,7 +157,8 @@ fn same_cells(map: &TileMap, grid: &Grid) {
         assert_eq!(grid.cells[index], map.log_odds_at(center), "{center}");
     }
     let n_known = grid.cells.iter().filter(|cell| **cell != 0.0).count();
-    let n_in_tiles: usize = level.tiles().map(|(_, t)| t.cells.iter().filter(|cell| **cell != 0.0).count()).sum();
+    let n_in_tiles: usize =
+        level.tiles().map(|(_, t)| t.cells.iter().filter(|cell| **cell != 0.0).count()).sum();
     assert_eq!(n_known, n_in_tiles, "nothing is beside the grid");
 }
 
@@ -163,13 +167,23 @@ fn a_grid_that_is_kept_up_to_date_is_the_grid_that_is_made_anew() {
     let mut rng = stream(7, "growth");
     let (mut export, mut grid) = (GridExport::default(), None);
     export.write(&TileMap::new(CELL_M, 3), &mut grid, 1 << 24).unwrap();
-    assert_eq!(grid.as_ref().map(|grid| grid.cells.len()), Some(TILE_CELLS * TILE_CELLS), "an empty map is a grid");
+    assert_eq!(
+        grid.as_ref().map(|grid| grid.cells.len()),
+        Some(TILE_CELLS * TILE_CELLS),
+        "an empty map is a grid"
+    );
     let mut map = some_map(3, 3);
     let mut other = map.clone();
     for k in 0..12 {
         let far = pose2(f64::from(k) - 6.0, 3.0 * f64::from(k), 0.3);
         painter(AREA).paint(&mut map, &random_scan(&mut rng), &far, &Pose3::identity(), 20_000 + k as u64);
-        painter(AREA).paint(&mut other, &random_scan(&mut rng), &random_pose(&mut rng), &Pose3::identity(), 30_000 + k as u64);
+        painter(AREA).paint(
+            &mut other,
+            &random_scan(&mut rng),
+            &random_pose(&mut rng),
+            &Pose3::identity(),
+            30_000 + k as u64,
+        );
         // Now the one and then the other, as the best of several changes.
         let best = if k % 3 == 0 { &other } else { &map };
         export.write(best, &mut grid, 1 << 24).unwrap();
@@ -184,7 +198,13 @@ fn maps_come_back_from_bytes_and_share_what_they_shared() {
     const SEAL: Seal = Seal { magic: *b"TESTTILE", version: 1 };
     let map = some_map(4, 10);
     let mut other = map.clone();
-    painter(AREA).paint(&mut other, &random_scan(&mut stream(8, "one")), &Pose2::identity(), &Pose3::identity(), 77);
+    painter(AREA).paint(
+        &mut other,
+        &random_scan(&mut stream(8, "one")),
+        &Pose2::identity(),
+        &Pose3::identity(),
+        77,
+    );
     let mut bytes = SEAL.begin(0);
     let mut code = TileCode::default();
     code.write(&map, &mut bytes);
@@ -202,7 +222,9 @@ fn maps_come_back_from_bytes_and_share_what_they_shared() {
             assert!(level.tiles().all(|(at, tile)| read.tile(at) == Some(tile)));
         }
     }
-    let of = |map: &TileMap| map.levels().iter().flat_map(|l| l.tiles().map(|(_, t)| Arc::as_ptr(t))).collect::<Vec<_>>();
+    let of = |map: &TileMap| {
+        map.levels().iter().flat_map(|l| l.tiles().map(|(_, t)| Arc::as_ptr(t))).collect::<Vec<_>>()
+    };
     let n_shared = |a: &TileMap, b: &TileMap| of(b).iter().filter(|tile| of(a).contains(tile)).count();
     assert_eq!(n_shared(&back[0], &back[1]), n_shared(&map, &other));
     let mut cut = SEAL.begin(0);

@@ -17,7 +17,8 @@ fn main() {
 
 /// A hall of 20 m by 14 m with a block in its middle, as 541 beams see it.
 fn scan(pose: &Pose2) -> LaserScan {
-    let boxes = [[-10.0, -7.0, 10.0, 7.0], [-4.0, -2.2, 4.0, 2.2], [5.0, 5.0, 5.6, 5.4], [-7.0, 5.0, -6.0, 6.0]];
+    let boxes =
+        [[-10.0, -7.0, 10.0, 7.0], [-4.0, -2.2, 4.0, 2.2], [5.0, 5.0, 5.6, 5.4], [-7.0, 5.0, -6.0, 6.0]];
     let at = pose.translation;
     let range = |k: usize| {
         let (sin, cos) = (pose.rotation.angle() + (-135.0 + 0.5 * k as f64).to_radians()).sin_cos();

@@ -54,7 +54,11 @@ impl TileCode {
                     return None;
                 }
                 let number = rest.u32()?;
-                let tile = if number == NEW { self.read_tile(rest)? } else { self.read.get(number as usize)?.clone() };
+                let tile = if number == NEW {
+                    self.read_tile(rest)?
+                } else {
+                    self.read.get(number as usize)?.clone()
+                };
                 level.put(place, tile);
             }
         }
@@ -62,7 +66,8 @@ impl TileCode {
     }
 
     fn read_tile(&mut self, rest: &mut Reader<'_>) -> Option<Arc<Tile>> {
-        let mut tile = Tile { version: u64::from_le_bytes(rest.chunk()?), cells: [0.0; TILE_CELLS * TILE_CELLS] };
+        let mut tile =
+            Tile { version: u64::from_le_bytes(rest.chunk()?), cells: [0.0; TILE_CELLS * TILE_CELLS] };
         let words = rest.take(4 * N_CELLS)?.as_chunks::<4>().0;
         for (cell, word) in tile.cells.iter_mut().zip(words) {
             *cell = f32::from_le_bytes(*word);

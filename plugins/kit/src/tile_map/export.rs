@@ -20,7 +20,12 @@ impl GridExport {
     ///
     /// # Errors
     /// A grid that cannot be, as one with more cells than `max_cells`.
-    pub fn write(&mut self, map: &TileMap, grid: &mut Option<Grid>, max_cells: u64) -> Result<(), ExportFault> {
+    pub fn write(
+        &mut self,
+        map: &TileMap,
+        grid: &mut Option<Grid>,
+        max_cells: u64,
+    ) -> Result<(), ExportFault> {
         let Some(level) = map.finest() else { return Ok(()) };
         let (first, size) = self.room_for(level);
         let edge = TILE_CELLS;
@@ -51,7 +56,9 @@ impl GridExport {
             let corner = (idx / size[0]) * edge * width + (idx % size[0]) * edge;
             let tile = level.tile(place(idx));
             for row in 0..edge {
-                let Some(line) = cells.get_mut(corner + row * width..corner + row * width + edge) else { break };
+                let Some(line) = cells.get_mut(corner + row * width..corner + row * width + edge) else {
+                    break;
+                };
                 match tile.and_then(|tile| tile.cells.get(row * edge..(row + 1) * edge)) {
                     Some(from) => line.copy_from_slice(from),
                     None => line.fill(0.0),

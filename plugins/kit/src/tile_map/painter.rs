@@ -147,7 +147,13 @@ fn take_over(
             let Some(tile) = level.tile_mut([tile_x, tile_y]) else { continue };
             tile.version = version;
             for row in rows {
-                write_line(tile, (cols.start - low[0]) as usize, (row - low[1]) as usize, line(row), evidence);
+                write_line(
+                    tile,
+                    (cols.start - low[0]) as usize,
+                    (row - low[1]) as usize,
+                    line(row),
+                    evidence,
+                );
             }
         }
     }

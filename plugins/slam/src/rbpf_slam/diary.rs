@@ -60,7 +60,8 @@ impl Diary {
                 let drawn_from_followed = step_from_next.inverse() * map_from_step.inverse() * map_from_next;
                 let whole_s = (*end - *begin).as_secs();
                 let share = if whole_s > 0.0 { (entry.stamp - *begin).as_secs() / whole_s } else { 0.0 };
-                map_from_base *= interpolate2(&Pose2::identity(), &drawn_from_followed, share.clamp(0.0, 1.0));
+                map_from_base *=
+                    interpolate2(&Pose2::identity(), &drawn_from_followed, share.clamp(0.0, 1.0));
             }
             Some(StampedPose { stamp: entry.stamp, map_from_base: lift(&map_from_base) })
         };

@@ -63,7 +63,8 @@ impl MotionNoise {
     pub fn sample(&self, map_from_before: &Pose2, step: &Step, rng: &mut Rng) -> Pose2 {
         let parts = self.parts(step);
         let [turn, way, turn_after] = noisy(parts.mean, parts.variance.map(f64::sqrt), rng);
-        let floor = [self.floor_m.powi(2) + step.stray[0], self.floor_rad.powi(2) + step.stray[1]].map(f64::sqrt);
+        let floor =
+            [self.floor_m.powi(2) + step.stray[0], self.floor_rad.powi(2) + step.stray[1]].map(f64::sqrt);
         let [x, y, yaw] = noisy([0.0; 3], [floor[0], floor[0], floor[1]], rng);
         let yaw_before = map_from_before.rotation.angle();
         let (sin, cos) = (yaw_before + turn).sin_cos();

@@ -102,8 +102,8 @@ impl Default for RbpfSlamParams {
             temporal_update_s: -1.0,
             resample_threshold: 0.5,
             alpha: [0.1, 0.01, 0.02, 0.01],
-            odometer_floor_m: 0.01,
-            odometer_floor_deg: 0.5,
+            odometer_floor_m: 0.03,
+            odometer_floor_deg: 2.0,
             min_range_m: 0.1,
             max_usable_range_m: 40.0,
             max_range_m: 30.0,
@@ -156,7 +156,9 @@ impl Params for RbpfSlamParams {
         for (key, value) in self.not_negative() {
             expect(value >= 0.0 && value.is_finite(), key, &value, "a finite number, 0 or more");
         }
-        for (key, value) in [("resample_threshold", self.resample_threshold), ("minimum_score", self.minimum_score)] {
+        for (key, value) in
+            [("resample_threshold", self.resample_threshold), ("minimum_score", self.minimum_score)]
+        {
             expect((0.0..=1.0).contains(&value), key, &value, "0 to 1");
         }
         let is_count = |value: u32, most: u32| (1..=most).contains(&value);
@@ -172,8 +174,14 @@ impl Params for RbpfSlamParams {
         for value in self.alpha.iter().filter(|value| !(**value >= 0.0 && value.is_finite())) {
             expect(false, "alpha", value, "finite numbers, 0 or more");
         }
-        expect(self.temporal_update_s.is_finite(), "temporal_update_s", &self.temporal_update_s, "a finite number");
-        let is_band = self.lowest_m < self.highest_m && self.lowest_m.is_finite() && self.highest_m.is_finite();
+        expect(
+            self.temporal_update_s.is_finite(),
+            "temporal_update_s",
+            &self.temporal_update_s,
+            "a finite number",
+        );
+        let is_band =
+            self.lowest_m < self.highest_m && self.lowest_m.is_finite() && self.highest_m.is_finite();
         expect(is_band, "lowest_m", &self.lowest_m, "a finite number below highest_m");
         let is_span = self.min_range_m < self.max_range_m.min(self.max_usable_range_m);
         expect(is_span, "min_range_m", &self.min_range_m, "less than max_range_m and max_usable_range_m");

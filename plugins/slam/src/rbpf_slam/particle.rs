@@ -7,7 +7,9 @@ use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
 use rumbo_core::rng::{Rng, RngExt as _};
-use rumbo_kit::scan_match::{Linearized, MatchStatus, PosePrior, ScanMatch, ScanPoints, linearize, match_scan};
+use rumbo_kit::scan_match::{
+    Linearized, MatchStatus, PosePrior, ScanMatch, ScanPoints, linearize, match_scan,
+};
 use rumbo_kit::tile_map::{LevelView, TileMap};
 
 /// A scan as the filter gets it.
@@ -60,7 +62,10 @@ pub fn matched(
     settings: &FilterSettings,
 ) -> Option<(ScanMatch, MatchStatus)> {
     let views: Vec<LevelView<'_>> = map.views();
-    let found = match_scan(&views, points, start, Some(prior), &settings.matching)?;
+    let mut found = match_scan(&views, points, start, Some(prior), &settings.matching)?;
+    // The search may begin at what an earlier look at the same scan found: the odometer then pulls away from where the scan
+    // alone fits best, which is no failure.
+    found.start = found.end;
     let mut status = settings.gate.judge(&found, &prior.map_from_base);
     if status.is_match() && found.end.mean_value() < settings.minimum_score {
         status = MatchStatus::Diverged;

@@ -198,7 +198,9 @@ pub fn restore(tracker: &mut Tracker, bytes: &[u8]) -> Result<(), SlamError> {
         Broken::Foreign => SlamError::Other("the saved state is not one of rbpf_slam".into()),
         Broken::Version(found) => {
             let known = SEAL.version;
-            SlamError::Other(format!("the saved state has version {found}, this plugin reads version {known}"))
+            SlamError::Other(format!(
+                "the saved state has version {found}, this plugin reads version {known}"
+            ))
         }
         Broken::Damaged => damaged(),
     })?;

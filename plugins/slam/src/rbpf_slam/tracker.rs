@@ -1,16 +1,18 @@
 //! Follows the robot from scan to scan in the best map, and decides when the filter takes one in.
 
+mod estimate;
 mod odometer;
 
 use super::diary::Diary;
 use super::filter::{Filter, Outcome};
 use super::motion::Step;
 use super::particle::{KeyScan, matched, prior_of};
+use super::proposal::coordinates;
 use super::settings::TrackerSettings;
 use nalgebra::{Matrix3, Vector3};
 use odometer::Odometer;
 use rumbo_core::frames::{Pose2, pose2};
-use rumbo_core::messages::{Check, Data, Estimate, LaserScan, Observation, Seen, StampedPose, Status};
+use rumbo_core::messages::{Check, Data, LaserScan, Observation, Seen, StampedPose};
 use rumbo_core::time::Time;
 use rumbo_kit::scan_match::{MatchStatus, ScanPoints};
 use rumbo_kit::streams::Streams;
@@ -71,9 +73,6 @@ pub struct Tracker {
 
 /// Scans that wait for the odometer at most; then the oldest are dropped.
 const MOST_WAITING: usize = 50;
-/// Without a scan for so long the robot is followed by the odometer alone, seconds.
-const SCANLESS_S: f64 = 2.0;
-
 impl Tracker {
     /// Not started yet.
     pub fn new(settings: TrackerSettings, streams: Streams) -> Tracker {
@@ -113,11 +112,7 @@ impl Tracker {
     /// The robot is about there in the map that was made so far, wherever it was before.
     pub fn relocate(&mut self, map_from_base: &Pose2, covariance: &Matrix3<f64>) {
         let root = covariance.cholesky().map_or_else(Matrix3::zeros, |factor| factor.l());
-        let at = Vector3::new(
-            map_from_base.translation.x,
-            map_from_base.translation.y,
-            map_from_base.rotation.angle(),
-        );
+        let at = coordinates(map_from_base);
         let mut is_first = true;
         self.filter.place(|rng| {
             let drawn = at + root * Vector3::from(noisy([0.0; 3], [1.0; 3], rng));
@@ -168,7 +163,9 @@ impl Tracker {
         }
         for observation in seen.iter().filter(|observation| observation.valid && observation.stamp <= now) {
             match &observation.data {
-                Data::Odometry(odometry) => self.odometer.take(observation.stamp, odometry, &mut self.counters),
+                Data::Odometry(odometry) => {
+                    self.odometer.take(observation.stamp, odometry, &mut self.counters)
+                }
                 Data::LaserScan(_) => self.queue(observation),
                 _ => {}
             }
@@ -299,39 +296,5 @@ impl Tracker {
             self.n_unmatched = self.n_unmatched.saturating_add(1);
             self.counters.unmatched += 1;
         }
-    }
-
-    /// Where the robot is now.
-    pub fn estimate(&self, now: Time) -> Estimate {
-        let Some(best) = self.filter.best() else { return Estimate::lost(now) };
-        let (stamp, step) = self.odometer.ahead(self.stamp, now);
-        let map_from_scan = best.map_from_base * self.step_from_base;
-        let map_from_base = map_from_scan * step.before_from_after;
-        let mut covariance = self.covariance + self.spread(&best.map_from_base);
-        if step != Step::default() {
-            covariance += self.filter.settings().motion.covariance(&map_from_scan, &step);
-        }
-        let odom_from_base = self.odometer.newest_pose(stamp);
-        let mut estimate = Estimate::planar(stamp, map_from_base, odom_from_base, covariance);
-        let is_old = self.stamp.is_none_or(|scan| (now - scan).as_secs() > SCANLESS_S);
-        estimate.status = if self.n_unmatched >= self.settings.lost_after_scans {
-            Status::Lost
-        } else if self.n_unmatched > 0 || is_old {
-            Status::Converging
-        } else {
-            Status::Tracking
-        };
-        estimate
-    }
-
-    /// How far the guesses are apart.
-    fn spread(&self, map_from_best: &Pose2) -> Matrix3<f64> {
-        let weights = self.filter.weights();
-        let off = self.filter.particles().iter().map(|particle| {
-            super::proposal::difference(map_from_best, &particle.map_from_base)
-        });
-        let weighed = || off.clone().zip(&weights);
-        let mean = weighed().map(|(off, w)| off * *w).sum::<Vector3<f64>>();
-        weighed().map(|(off, w)| (off - mean) * (off - mean).transpose() * *w).sum()
     }
 }

@@ -60,7 +60,9 @@ fn scans_without_readings_move_particles_by_the_odometer_and_decide_nothing() {
         assert_eq!(tracker.filter().weights(), weights, "no weighing");
         let map = &tracker.filter().best().unwrap().map;
         let same = map.levels().iter().zip(tiles.levels());
-        assert!(same.flat_map(|(a, b)| a.tiles().map(|(at, tile)| b.tile(at) == Some(tile))).all(|same| same));
+        assert!(
+            same.flat_map(|(a, b)| a.tiles().map(|(at, tile)| b.tile(at) == Some(tile))).all(|same| same)
+        );
         let estimate = tracker.estimate(Time::from_secs(5.9));
         assert_eq!(estimate.status, Status::Lost, "20 scans in a row matched nothing");
     }
@@ -143,7 +145,11 @@ fn a_robot_that_was_carried_away_says_that_it_is_lost_and_its_map_stays() {
         update(&mut tracker, seconds, &seen);
     }
     assert_eq!(tracker.estimate(Time::from_secs(12.9)).status, Status::Tracking);
-    assert!(off(&tracker, 12.9, &lane(SCAN_M * 59.0))[0] < 0.15, "{:?}", off(&tracker, 12.9, &lane(SCAN_M * 59.0)));
+    assert!(
+        off(&tracker, 12.9, &lane(SCAN_M * 59.0))[0] < 0.15,
+        "{:?}",
+        off(&tracker, 12.9, &lane(SCAN_M * 59.0))
+    );
 }
 
 #[test]
@@ -233,7 +239,7 @@ fn weights_that_are_no_numbers_count_nothing_and_when_none_is_left_all_are_equal
     let Data::LaserScan(scan) = &seen[1].data else { panic!() };
     let mut points = ScanPoints::default();
     tracker.filter().settings().preparation.clone().prepare(scan, &Pose3::identity(), &mut points);
-    let mut take = |tracker: &mut Tracker| {
+    let take = |tracker: &mut Tracker| {
         tracker.filter.take(&KeyScan {
             scan,
             base_from_sensor: Pose3::identity(),

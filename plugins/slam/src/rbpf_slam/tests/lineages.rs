@@ -46,12 +46,8 @@ fn scans_between_two_steps_share_what_the_filter_drew_differently() {
     let way = [pose2(10.0, 0.0, 0.0), pose2(12.2, 0.4, 0.2)];
     let poses: Vec<(f64, Pose2)> =
         diary.trajectory(&way).iter().map(|p| (p.stamp.as_secs(), flatten(&p.map_from_base))).collect();
-    let expected = [
-        (0.0, way[0]),
-        (1.0, pose2(11.1, 0.2, 0.1)),
-        (2.0, way[1]),
-        (3.0, way[1] * pose2(1.0, 0.0, 0.0)),
-    ];
+    let expected =
+        [(0.0, way[0]), (1.0, pose2(11.1, 0.2, 0.1)), (2.0, way[1]), (3.0, way[1] * pose2(1.0, 0.0, 0.0))];
     assert_eq!(poses.len(), expected.len(), "a scan that is late is left out");
     for ((stamp, pose), (expected_stamp, expected)) in poses.iter().zip(expected) {
         assert_eq!(*stamp, expected_stamp);

@@ -38,7 +38,8 @@ fn n_around() -> u32 {
 
 /// Different tiles that these maps have together.
 fn n_different<'m>(maps: impl Iterator<Item = &'m TileMap>) -> usize {
-    let tiles = maps.flat_map(|map| map.levels().iter().flat_map(|level| level.tiles().map(|(_, t)| Arc::as_ptr(t))));
+    let tiles =
+        maps.flat_map(|map| map.levels().iter().flat_map(|level| level.tiles().map(|(_, t)| Arc::as_ptr(t))));
     tiles.collect::<BTreeSet<_>>().len()
 }
 
@@ -70,7 +71,8 @@ fn thirty_maps_of_the_loop_take_less_than_five_and_a_half_and_the_robot_is_where
 
 #[test]
 fn the_published_proposal_follows_the_robot_too() {
-    let params = RbpfSlamParams { proposal: ProposalRule::Sampled, particles: 15, ..RbpfSlamParams::default() };
+    let params =
+        RbpfSlamParams { proposal: ProposalRule::Sampled, particles: 15, ..RbpfSlamParams::default() };
     let worst = drive(&mut tracker(&params, 2), &mut Drive::new(2), 0..160);
     assert!(worst[0] < 0.30 && worst[1] < 3.0, "{worst:?}");
 }

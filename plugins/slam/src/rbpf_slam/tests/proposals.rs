@@ -68,8 +68,7 @@ fn the_gaussian_of_the_curvature_is_the_integral_over_a_fine_raster() {
     let scan = -evidence.try_inverse().unwrap() * pull;
     let ln_scan = |x: &Vector3<f64>| -3.0 - 0.5 * (x - scan).dot(&(evidence * (x - scan)));
     let ln_normal = 0.5 * information.determinant().ln() - 1.5 * std::f64::consts::TAU.ln();
-    let ln_motion =
-        |x: &Vector3<f64>| ln_normal - 0.5 * (x - odometer).dot(&(information * (x - odometer)));
+    let ln_motion = |x: &Vector3<f64>| ln_normal - 0.5 * (x - odometer).dot(&(information * (x - odometer)));
     let mode = Vector3::zeros();
     let found =
         Proposal::of_curvature(&mode, ln_scan(&mode), &evidence, &information, &(mode - odometer)).unwrap();
@@ -78,7 +77,8 @@ fn the_gaussian_of_the_curvature_is_the_integral_over_a_fine_raster() {
     for i in -n..=n {
         for j in -n..=n {
             for k in -n..=n {
-                let x = Vector3::new(f64::from(i), f64::from(j), f64::from(k)).component_mul(&steps.into());
+                let x = Vector3::new(f64::from(i), f64::from(j), f64::from(k))
+                    .component_mul(&Vector3::from(steps));
                 let tau = (ln_scan(&x) + ln_motion(&x)).exp();
                 sum += tau;
                 second += x * x.transpose() * tau;
@@ -86,7 +86,12 @@ fn the_gaussian_of_the_curvature_is_the_integral_over_a_fine_raster() {
         }
     }
     let volume: f64 = steps.iter().product();
-    assert!((found.ln_weight - (sum * volume).ln()).abs() < 1e-3, "{} {}", found.ln_weight, (sum * volume).ln());
+    assert!(
+        (found.ln_weight - (sum * volume).ln()).abs() < 1e-3,
+        "{} {}",
+        found.ln_weight,
+        (sum * volume).ln()
+    );
     assert!((found.covariance - second / sum).amax() < 1e-3 * found.covariance.amax());
 }
 
@@ -117,10 +122,7 @@ fn the_covariance_of_a_step_is_that_of_sampled_steps() {
     let drawn: Vec<Vector3<f64>> =
         (0..100_000).map(|_| difference(&expected, &noise.sample(&before, &step, &mut rng))).collect();
     let mean = drawn.iter().sum::<Vector3<f64>>() / drawn.len() as f64;
-    let spread = drawn
-        .iter()
-        .map(|off| (off - mean) * (off - mean).transpose())
-        .sum::<Matrix3<f64>>()
+    let spread = drawn.iter().map(|off| (off - mean) * (off - mean).transpose()).sum::<Matrix3<f64>>()
         / drawn.len() as f64;
     assert!(mean.amax() < 0.003, "{mean}");
     assert!((spread - covariance).amax() < 0.03 * covariance.amax(), "{spread} {covariance}");
