@@ -307,9 +307,9 @@ fn what_says_nothing_leaves_the_prediction_and_ends_as_lost() {
         assert_eq!(estimate.status, expected, "{k}");
         assert!(estimate.covariance2()[(0, 0)] > before.covariance2()[(0, 0)]);
         let way_m = estimate.pose2().translation.x - before.pose2().translation.x;
-        let expected_m = if k < 18 {
+        let expected_m = if k < 14 {
             0.03
-        } else if k < 21 {
+        } else if k < 16 {
             way_m.clamp(-1e-9, 0.031)
         } else {
             0.0
