@@ -89,7 +89,7 @@ impl Default for ScanOdometrySettings {
             degeneracy: DegeneracyRule::default(),
             min_std_m: 0.005,
             min_std_rad: 0.002,
-            retry_support: 0.7,
+            retry_support: 0.6,
             retry_step_rad: 0.1,
             n_retries: 4,
         }

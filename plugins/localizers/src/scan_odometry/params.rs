@@ -115,7 +115,7 @@ impl Default for ScanOdometryParams {
         let scan = ScanOdometrySettings::default();
         ScanOdometryParams {
             prediction: Prediction::Gyro,
-            carry_on_s: 1.0,
+            carry_on_s: 0.5,
             speed_deviation_m_s: 0.2,
             turn_deviation_deg_s: 20.0,
             gyro_deviation_deg_s: 0.5,
