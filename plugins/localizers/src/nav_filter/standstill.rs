@@ -19,7 +19,7 @@ impl Standstill {
     /// Within this it has not turned, radians.
     const WITHIN_RAD: f64 = 0.004;
     /// So many poses are remembered at most: half a second of the fastest scanners.
-    const MOST: usize = 64;
+    const MOST: usize = 256;
 
     /// Takes in the pose of a scan; whether the robot stands.
     pub fn see(&mut self, stamp: Time, odom_from_base: &Pose2) -> bool {
