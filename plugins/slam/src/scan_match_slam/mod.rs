@@ -11,8 +11,5 @@ mod plugin;
 mod saved;
 mod tracker;
 
-#[cfg(test)]
-mod tests;
-
-pub use params::ScanMatchSlamParams;
+pub use params::{Prediction, ScanMatchSlamParams};
 pub use plugin::ScanMatchSlam;

@@ -55,7 +55,7 @@ const MOST_RATES: usize = 4096;
 const GYRO_GAP_S: f64 = 0.25;
 
 /// Follows odometer and gyroscope, and the velocity of the matches.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Motion {
     rule: PredictionRule,
     errors: MotionErrors,

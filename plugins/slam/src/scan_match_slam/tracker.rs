@@ -83,7 +83,7 @@ pub struct Tracked {
 }
 
 /// The state of one run.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct ScanTracker {
     pub(super) settings: TrackerSettings,
     pub(super) motion: Motion,
