@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use nalgebra::UnitQuaternion;
 use rumbo_core::frames::{Pose3, Twist, flatten, pose2};
@@ -169,7 +170,7 @@ fn finder_in(name: &str) -> Box<dyn World> {
     let wheels = Wheels { radius_m: 0.254, ..Wheels::default() };
     let start = start(-5.5, -4.6, 0.0);
     let params = SimParams { map: Some(worlds().join(name)), start, wheels, ..SimParams::default() };
-    params.build(&BuildContext { robot: finder(), ..BuildContext::bare("world") }).unwrap()
+    params.build(&BuildContext { robot: Arc::new(finder()), ..BuildContext::bare("world") }).unwrap()
 }
 
 /// How far a place is from the lane, and how far along it the nearest place is, searched from `way_m` on.
