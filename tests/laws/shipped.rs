@@ -26,7 +26,7 @@ fn keep_their_laws(stage: Stage) {
 }
 
 /// Laws that say nothing of plugins that are shipped, and of which; all where no names are given.
-const NOT_APPLICABLE: [(&str, &[&str]); 9] = [
+const NOT_APPLICABLE: [(&str, &[&str]); 10] = [
     ("values outside the ranges of its schema are refused", &[]),
     // Where their search ends by itself before it can be told to.
     ("a give_up raised during the search ends it", &["fictitious_charges", "potential_field"]),
