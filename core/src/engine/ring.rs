@@ -82,8 +82,8 @@ impl Ring {
                 Filter::Raw => item.sensor != SensorId::ODOMETER && !is_replaced(&self.replaced, item),
                 Filter::Of(sensors) => sensors.contains(&item.sensor),
                 Filter::Public => {
-                    !(self.has_odometer && item.sensor != SensorId::ODOMETER && is_odometry(item))
-                        && !is_replaced(&self.replaced, item)
+                    !(is_replaced(&self.replaced, item)
+                        || self.has_odometer && item.sensor != SensorId::ODOMETER && is_odometry(item))
                 }
             };
             if wanted {

@@ -21,8 +21,8 @@ fn sample() -> ImuSample {
 
 /// A filter after a second of 200 samples.
 fn warm(aid_period_ms: i64) -> (NavFilter, i64) {
-    let mut settings = NavSettings::default();
-    settings.aid_period = rumbo_core::time::Span(aid_period_ms * 1_000_000);
+    let aid_period = rumbo_core::time::Span(aid_period_ms * 1_000_000);
+    let settings = NavSettings { aid_period, ..NavSettings::default() };
     let Ok(mut filter) = NavFilter::new(settings) else { std::process::exit(1) };
     for k in 0..200 {
         filter.take_imu(Time(k * 5_000_000), &sample());

@@ -78,7 +78,7 @@ impl EulerState {
 /// Beyond 80 degrees of pitch.
 pub fn angle_rates(roll_rad: f64, pitch_rad: f64) -> Result<Matrix3<f64>, Degenerate> {
     // Not-a-number is no pitch either.
-    if !(pitch_rad.abs() <= STEEPEST_RAD) {
+    if pitch_rad.is_nan() || pitch_rad.abs() > STEEPEST_RAD {
         return Err(Degenerate { pitch_rad });
     }
     let ((s, c), (tangent, cosine)) = (roll_rad.sin_cos(), (pitch_rad.tan(), pitch_rad.cos()));

@@ -68,7 +68,6 @@ fn a_drive_through_a_hall_is_followed_by_scans_and_inertia_alone() {
     let found = follow(&mut *localizer(&NavFilterParams::default()), &drive);
     let (_, last, truth) = found.last().unwrap();
     let (off_m, off_deg) = off(last, truth);
-    println!("{off_m} m, {off_deg} degrees after 24 m");
     assert!(off_m < 0.12 && off_deg < 1.0, "{off_m} m, {off_deg} degrees");
     assert!(found.iter().all(|(_, estimate, truth)| tilt_deg(estimate, truth) < 3.0));
     assert!(last.map_from_base.translation.z.abs() < 0.3);
@@ -86,7 +85,6 @@ fn on_a_swaying_base_the_attitude_holds_and_the_way_does_not_yet() {
     let found = follow(&mut *localizer(&NavFilterParams::default()), &drive);
     let worst_m = found.iter().map(|(_, estimate, truth)| off(estimate, truth).0).fold(0.0, f64::max);
     let worst_deg = found.iter().skip(10).map(|(_, e, truth)| tilt_deg(e, truth)).fold(0.0, f64::max);
-    println!("{worst_m} m, tilt {worst_deg} degrees");
     assert!(worst_m < 4.0, "{worst_m} m");
     assert!(worst_deg < 3.0, "{worst_deg} degrees");
 }
@@ -184,7 +182,6 @@ fn a_robot_that_stands_stays_where_it_is_for_minutes() {
     let found = follow(&mut *localizer(&NavFilterParams::default()), &drive);
     let (_, last, truth) = found.last().unwrap();
     let (off_m, off_deg) = off(last, truth);
-    println!("{off_m} m, {off_deg} degrees, {} m up", last.map_from_base.translation.z);
     assert!(off_m < 0.10 && off_deg < 0.3, "{off_m} m, {off_deg} degrees");
     assert!(last.map_from_base.translation.z.abs() < 0.05);
 }

@@ -217,7 +217,7 @@ impl Tracker {
         self.n_missed += 1;
         if self.n_missed >= self.settings.lost_after_scans {
             self.fit = Fit::Lost;
-            if self.n_missed % LOOK_EVERY == 0 {
+            if self.n_missed.is_multiple_of(LOOK_EVERY) {
                 self.look_anywhere(surface);
             }
         }

@@ -185,7 +185,10 @@ fn the_covariance_of_a_step_is_the_specified_one_in_other_angles() {
     assert!((found - expected).amax() < 1e-6, "{}", (found - expected).amax());
 }
 
-fn specified_pose() -> (SMatrix<f64, 9, 9>, SMatrix<f64, 3, 9>, Matrix3<f64>, SVector<f64, 9>, Vector3<f64>) {
+/// Covariance of the state, what is measured of it, covariance of the measurement, state, measurement.
+type Posed = (SMatrix<f64, 9, 9>, SMatrix<f64, 3, 9>, Matrix3<f64>, SVector<f64, 9>, Vector3<f64>);
+
+fn specified_pose() -> Posed {
     let updates = json(UPDATES);
     let p = SMatrix::<f64, 9, 9>::from_diagonal(&SVector::from_vec(numbers(&updates["prior"]["P_diag"])));
     let x = SVector::<f64, 9>::from_vec(numbers(&updates["prior"]["x"]));
