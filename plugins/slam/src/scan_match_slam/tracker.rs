@@ -256,13 +256,13 @@ impl ScanTracker {
             }
         }
         let every = self.settings.look_every_scans.max(1);
-        if self.is_lost() && (self.n_without_match - self.settings.lost_after_scans).is_multiple_of(every) {
-            if let Some(place) = self.places.anywhere(map, &self.points) {
-                let (far, far_status) = self.match_from(&place, None, map);
-                if far_status == MatchStatus::Ok {
-                    self.counters.found_anywhere += 1;
-                    return (far, far_status);
-                }
+        let n_lost = self.n_without_match.saturating_sub(self.settings.lost_after_scans);
+        let is_due = self.is_lost() && n_lost.is_multiple_of(every);
+        if let Some(place) = is_due.then(|| self.places.anywhere(map, &self.points)).flatten() {
+            let (far, far_status) = self.match_from(&place, None, map);
+            if far_status == MatchStatus::Ok {
+                self.counters.found_anywhere += 1;
+                return (far, far_status);
             }
         }
         (None, status)
