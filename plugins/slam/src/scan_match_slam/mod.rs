@@ -4,11 +4,13 @@
 //! `rumbo_kit::scan_match`, the map `rumbo_kit::occupancy`; a robot that is lost is found again by
 //! `rumbo_kit::correlative`.
 
+mod insertion;
 mod motion;
 mod params;
 mod place_search;
 mod plugin;
 mod saved;
+mod settings;
 mod tracker;
 
 pub use params::{Prediction, ScanMatchSlamParams};

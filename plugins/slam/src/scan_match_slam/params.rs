@@ -1,14 +1,9 @@
 //! What `[slam] plugin = "scan_match_slam"` takes.
 
-use super::motion::{MotionErrors, PredictionRule};
-use super::place_search::PlaceSearchSettings;
-use super::tracker::TrackerSettings;
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
-use rumbo_kit::occupancy::{BeamLimits, Evidence, EvidenceFault, FreeSpace, MapperSettings, Pyramid};
-use rumbo_kit::scan_match::{
-    CovarianceRule, CovarianceSettings, MatchGate, MatchSettings, ObservabilitySettings, ScanPreparation,
-};
+use rumbo_kit::occupancy::{Evidence, EvidenceFault};
+use rumbo_kit::scan_match::CovarianceRule;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -266,91 +261,5 @@ impl ScanMatchSlamParams {
 
     pub(super) fn evidence(&self) -> Result<Evidence, Vec<EvidenceFault>> {
         Evidence::new(self.update_factor_free, self.update_factor_occupied, self.p_min, self.p_max)
-    }
-
-    pub(super) fn tracker(&self, evidence: Evidence) -> TrackerSettings {
-        let range_noise = ScanPreparation::default().noise;
-        TrackerSettings {
-            preparation: ScanPreparation {
-                min_range_m: self.min_range_m,
-                max_range_m: self.max_range_m,
-                height_band_m: [self.lowest_m, self.highest_m],
-                max_points: self.max_points,
-                full_weight_spacing_m: self.full_weight_spacing_m,
-                noise: range_noise,
-                half_weight_noise_m: self.half_weight_noise_m,
-            },
-            matching: MatchSettings {
-                finest_iterations: self.finest_iterations,
-                coarse_iterations: self.coarse_iterations,
-                observability: ObservabilitySettings {
-                    ratio: self.degeneracy_ratio,
-                    ..ObservabilitySettings::default()
-                },
-                covariance: CovarianceSettings { rule: self.covariance, ..CovarianceSettings::default() },
-                ..MatchSettings::default()
-            },
-            gate: MatchGate {
-                min_points: self.min_points,
-                min_known: self.min_known,
-                max_correction_m: self.max_correction_m,
-                max_correction_rad: self.max_correction_deg.to_radians(),
-                max_mean_cost: self.max_mean_cost,
-                ..MatchGate::default()
-            },
-            mapper: self.mapper(evidence),
-            size_cells: self.size_cells,
-            insert_every: [self.map_update_distance_m, self.map_update_angle_deg.to_radians()],
-            prediction: match self.prediction {
-                Prediction::Odometry => PredictionRule::Odometry,
-                Prediction::ConstantVelocity => PredictionRule::ConstantVelocity,
-                Prediction::None => PredictionRule::LastPose,
-            },
-            errors: self.motion_errors(),
-            residual_variance: self.use_prior.then_some(self.residual_variance),
-            explore_grace_m: self.explore_grace_m,
-            lost_after_scans: self.lost_after_scans,
-            places: PlaceSearchSettings {
-                least_score: self.place_score,
-                least_lead: self.place_lead,
-                most_nodes: 3_000_000,
-                sigma_m: 0.1,
-                most_points: 90,
-            },
-            near_reach: [self.near_reach_m, self.near_reach_deg.to_radians()],
-            look_every_scans: self.look_every_scans,
-        }
-    }
-
-    fn motion_errors(&self) -> MotionErrors {
-        MotionErrors {
-            way_share: self.odometer_way,
-            turn_share: self.odometer_turn,
-            turn_rad_m: self.odometer_turn_deg_m.to_radians(),
-            gyro_rad_s: self.gyroscope_deg_s.to_radians(),
-            acceleration_m_s2: self.acceleration_m_s2,
-            turn_acceleration_rad_s2: self.turn_acceleration_deg_s2.to_radians(),
-            // Also of a robot that stands (the specification's floor of the prior).
-            least: [0.004, 0.001],
-        }
-    }
-
-    fn mapper(&self, evidence: Evidence) -> MapperSettings {
-        MapperSettings {
-            evidence,
-            pyramid: Pyramid {
-                resolution_m: self.resolution_m,
-                levels: self.levels,
-                block_cells: self.grow_block_cells,
-                max_cells: self.max_cells,
-            },
-            limits: BeamLimits {
-                min_range_m: self.min_range_m,
-                max_range_m: self.max_range_m,
-                clear_range_m: 0.0,
-            },
-            free_space: FreeSpace::Area { widest_wedge_rad: 1.1_f64.to_radians() },
-            auto_grow: true,
-        }
     }
 }

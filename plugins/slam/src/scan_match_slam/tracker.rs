@@ -1,75 +1,15 @@
 //! Predict, match, judge, insert: one scan after another.
 
-use super::motion::{Motion, MotionErrors, PredictionRule, Step};
-use super::place_search::{PlaceSearch, PlaceSearchSettings};
+use super::motion::{Motion, Step};
+use super::place_search::PlaceSearch;
+use super::settings::{Counters, TrackerSettings};
 use nalgebra::{Matrix3, Rotation2};
 use rumbo_core::frames::{Point2, Pose2};
 use rumbo_core::map::{GridFault, Map};
 use rumbo_core::messages::{LaserScan, Observation, Seen, SensorId};
 use rumbo_core::time::Time;
-use rumbo_kit::occupancy::{Inserted, MapperSettings, ScanMapper, UpdateGate};
-use rumbo_kit::scan_match::{
-    MatchGate, MatchSettings, MatchStatus, PosePrior, ScanMatch, ScanPoints, ScanPreparation, levels_of,
-    match_scan,
-};
-
-/// Everything that can be set.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TrackerSettings {
-    /// Which readings become points.
-    pub preparation: ScanPreparation,
-    /// The search.
-    pub matching: MatchSettings,
-    /// What is believed.
-    pub gate: MatchGate,
-    /// The map.
-    pub mapper: MapperSettings,
-    /// Cells along each axis at the start.
-    pub size_cells: u32,
-    /// A scan is inserted after so much way (m) or turn (rad).
-    pub insert_every: [f64; 2],
-    /// Where the first guess comes from.
-    pub prediction: PredictionRule,
-    /// How wrong it may be.
-    pub errors: MotionErrors,
-    /// Variance of one point's misfit, against the prior; none matches without a prior.
-    pub residual_variance: Option<f64>,
-    /// The robot may go so far without a match and still extend the map, meters.
-    pub explore_grace_m: f64,
-    /// After so many scans without a match the robot is lost.
-    pub lost_after_scans: u32,
-    /// The search for places.
-    pub places: PlaceSearchSettings,
-    /// How far it goes around a guess: meters, radians.
-    pub near_reach: [f64; 2],
-    /// A lost robot looks over the whole map at every so-manieth scan.
-    pub look_every_scans: u32,
-}
-
-/// What was counted.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Counters {
-    /// Scans that were taken.
-    pub received: u64,
-    /// Scans that were matched.
-    pub matched: u64,
-    /// Scans that became part of the map.
-    pub inserted: u64,
-    /// Scans with a stamp that is not newer than the last.
-    pub not_newer: u64,
-    /// Scans with too few points.
-    pub too_few_points: u64,
-    /// Scans of which too little is on the map.
-    pub low_overlap: u64,
-    /// Scans whose match ran away.
-    pub diverged: u64,
-    /// Scans that do not see all directions.
-    pub degenerate: u64,
-    /// Searches around a guess that helped.
-    pub found_near: u64,
-    /// Searches over the whole map that helped.
-    pub found_anywhere: u64,
-}
+use rumbo_kit::occupancy::{ScanMapper, UpdateGate};
+use rumbo_kit::scan_match::{MatchStatus, PosePrior, ScanMatch, ScanPoints, levels_of, match_scan};
 
 /// Where the robot is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -256,9 +196,9 @@ impl ScanTracker {
             }
         }
         let every = self.settings.look_every_scans.max(1);
-        let looks =
-            self.is_lost() && (self.n_without_match - self.settings.lost_after_scans).is_multiple_of(every);
-        if let Some(place) = looks.then(|| self.places.anywhere(map, &self.points)).flatten() {
+        let n_lost = self.n_without_match.saturating_sub(self.settings.lost_after_scans);
+        let is_due = self.is_lost() && n_lost.is_multiple_of(every);
+        if let Some(place) = is_due.then(|| self.places.anywhere(map, &self.points)).flatten() {
             let (far, far_status) = self.match_from(&place, None, map);
             if far_status == MatchStatus::Ok {
                 self.counters.found_anywhere += 1;
@@ -328,44 +268,6 @@ impl ScanTracker {
         self.motion.arrived(tracked.stamp, &tracked.map_from_base, is_matched);
         self.trajectory.push((tracked.stamp, tracked.map_from_base));
         self.state = Some(tracked);
-    }
-
-    /// What did not match becomes part of the map only where the map ends, and not far from where it matched last.
-    fn may_insert(&self) -> bool {
-        match self.status {
-            MatchStatus::Ok | MatchStatus::Degenerate => true,
-            MatchStatus::LowOverlap => self.way_without_match_m <= self.settings.explore_grace_m,
-            MatchStatus::TooFewPoints | MatchStatus::Diverged => false,
-        }
-    }
-
-    fn insert(
-        &mut self,
-        observation: &Observation,
-        scan: &LaserScan,
-        map_from_base: &Pose2,
-        map: &mut Map,
-    ) -> Result<bool, GridFault> {
-        let field_of_view_rad = scan.bearing_step_rad.abs() * scan.ranges_m.len() as f64;
-        let [way_m, turn_rad] = self.settings.insert_every;
-        let known = self.gates.iter().position(|(sensor, _)| *sensor == observation.sensor);
-        let idx = known.unwrap_or_else(|| {
-            self.gates.push((observation.sensor, UpdateGate::new(way_m, turn_rad)));
-            self.gates.len() - 1
-        });
-        let Some((_, gate)) = self.gates.get_mut(idx) else { return Ok(false) };
-        if !gate.is_open(map_from_base, field_of_view_rad) {
-            return Ok(false);
-        }
-        let inserted = self.mapper.insert(scan, map_from_base, &observation.base_from_sensor, map)?;
-        if matches!(inserted, Inserted::Empty | Inserted::Beside) {
-            return Ok(false);
-        }
-        gate.close(map_from_base);
-        self.mapper.insert(scan, map_from_base, &observation.base_from_sensor, &mut self.kept)?;
-        self.counters.inserted += 1;
-        map.touch();
-        Ok(true)
     }
 }
 
