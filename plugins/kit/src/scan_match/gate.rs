@@ -57,7 +57,8 @@ impl Default for MatchGate {
 }
 
 impl MatchGate {
-    /// Judges a match against the pose that was expected.
+    /// Judges a match against the pose that was expected. Differs from the specification: a mean cost that did not fall
+    /// refuses nothing, since with a prior the scan's own part may rise while both together fall.
     pub fn judge(&self, found: &ScanMatch, map_from_expected: &Pose2) -> MatchStatus {
         let away = difference(map_from_expected, &found.map_from_base);
         let is_far = away.xy().norm() > self.max_correction_m || away.z.abs() > self.max_correction_rad;

@@ -54,10 +54,10 @@ pub struct ScanMatchSlamParams {
     /// Where a match begins: `odometry` (or the gyroscope, or else the last velocity), `constant_velocity`, or `none` for
     /// the last pose.
     pub prediction: Prediction,
-    /// The match also minds where it began, by the errors below, along all directions. Off by default: on real logs
-    /// odometers pull maps apart; along directions that a scan does not see the pose is that of the prediction anyway.
+    /// The match also minds where it began, by the errors below.
     pub use_prior: bool,
-    /// Variance of one point's misfit (0 to 1) against the prior: larger trusts the odometer more.
+    /// Variance of one point's misfit (0 to 1) against the prior: larger trusts the odometer more. Far below the variance
+    /// of misfits that is measured (0.15): with that, odometers of real logs pull the map apart.
     pub residual_variance: f64,
     /// Error of the odometer's way, meters a meter.
     pub odometer_way: f64,
@@ -94,7 +94,7 @@ pub struct ScanMatchSlamParams {
     pub explore_grace_m: f64,
     /// After so many scans without a match the robot is lost, and looks for itself on the whole map.
     pub lost_after_scans: u32,
-    /// A lost robot looks at every so-manieth scan.
+    /// A lost robot looks at every nth scan.
     pub look_every_scans: u32,
     /// Where a match fails, the place that fits best is looked for so far around, meters, ...
     pub near_reach_m: f64,
@@ -141,8 +141,8 @@ impl Default for ScanMatchSlamParams {
             full_weight_spacing_m: 0.0,
             half_weight_noise_m: 0.0,
             prediction: Prediction::Odometry,
-            use_prior: false,
-            residual_variance: 0.15,
+            use_prior: true,
+            residual_variance: 0.003,
             odometer_way: 0.1,
             odometer_turn: 0.1,
             odometer_turn_deg_m: 1.0,

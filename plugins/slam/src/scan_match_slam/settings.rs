@@ -37,7 +37,7 @@ pub struct TrackerSettings {
     pub places: PlaceSearchSettings,
     /// How far it goes around a guess: meters, radians.
     pub near_reach: [f64; 2],
-    /// A lost robot looks over the whole map at every so-manieth scan.
+    /// A lost robot looks over the whole map at every nth scan.
     pub look_every_scans: u32,
 }
 
