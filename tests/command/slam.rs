@@ -9,11 +9,14 @@ use std::io::Read as _;
 use std::sync::atomic::AtomicBool;
 
 const LINES: &str = "pipelines/mapping_log_lines.toml";
+/// One scan a second, as in the shipped log, is too few to know the way from scans alone.
+const WHEELS: &str = "odometer.prediction=wheels";
 
 /// Walls and last pose of a run of that pipeline in this program.
 fn mapped(sets: &[String]) -> (Vec<Line>, Pose2) {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(LINES);
-    let ready = rumbo::load::load(&file, sets, &rumbo::registry().unwrap()).ok().unwrap();
+    let sets: Vec<String> = std::iter::once(WHEELS.to_owned()).chain(sets.iter().cloned()).collect();
+    let ready = rumbo::load::load(&file, &sets, &rumbo::registry().unwrap()).ok().unwrap();
     let mut engine = Engine::build(&ready.pipeline).unwrap();
     assert_eq!(engine.run(&mut [], &AtomicBool::new(false)).reason, EndReason::Ended);
     let view = engine.view();
@@ -54,13 +57,22 @@ fn a_map_that_was_saved_half_way_becomes_the_map_of_the_whole_way() {
     let [before, after] = halves(&folder, 480.0);
     let state = folder.join("deep/half.state");
     let set = |log: &Path| format!("world.file={}", log.display());
-    let given =
-        give(&["run", LINES, "--set", &set(&before), "--save-state", state.to_str().unwrap(), "--no-report"]);
+    let given = give(&[
+        "run",
+        LINES,
+        "--set",
+        WHEELS,
+        "--set",
+        &set(&before),
+        "--save-state",
+        state.to_str().unwrap(),
+        "--no-report",
+    ]);
     assert_eq!(given.code, 0, "{}", given.stderr);
     assert!(given.stderr.contains("half.state"), "{}", given.stderr);
     assert_eq!(std::fs::read_dir(state.parent().unwrap()).unwrap().count(), 1);
     let resume = format!("slam.resume={}", state.display());
-    let checked = give(&["check", LINES, "--set", &resume, "--set", &set(&after)]);
+    let checked = give(&["check", LINES, "--set", WHEELS, "--set", &resume, "--set", &set(&after)]);
     assert_eq!(checked.code, 0, "{}", checked.stderr);
     let (whole, end) = mapped(&[]);
     let (resumed, resumed_end) = mapped(&[resume, set(&after)]);

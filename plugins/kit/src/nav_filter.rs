@@ -17,6 +17,7 @@ mod aids;
 mod chain;
 mod euler;
 mod filter;
+mod fusion;
 mod history;
 mod intersection;
 mod leveling;

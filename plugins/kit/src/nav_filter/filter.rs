@@ -1,19 +1,20 @@
 //! The filter: inertial samples in, poses out, planar poses whenever somebody has one.
 
-use nalgebra::{Matrix2, Matrix3, Matrix6, Rotation2, SMatrix, UnitQuaternion, Vector2, Vector3};
-use rumbo_core::frames::{Pose2, Pose3, Twist, is_finite2, lift, wrap_angle};
+use nalgebra::{Matrix2, Matrix3, Matrix6, Rotation2, SMatrix, UnitQuaternion, Vector2};
+use rumbo_core::frames::{Pose2, Pose3, Twist, lift};
 use rumbo_core::time::Time;
 
-use super::aids::{AidKind, floor_velocity, is_gravity, leveled_angles, yaw_by_errors};
+use super::aids::{AidKind, floor_velocity, is_gravity, leveled_angles};
 use super::euler::angles_by_errors;
+use super::fusion::{anchor, compounded, fuse, planar, planar_rows, reckoned};
 use super::history::{History, Moment, Tally};
-use super::intersection::{PlanarPose, intersect, intersect_pose};
+use super::intersection::PlanarPose;
 use super::leveling::is_reading;
 use super::model::{ACCEL_BIAS, ATTITUDE, Covariance, GYRO_BIAS, ImuSample, NavState, POSITION, VELOCITY};
-use super::settings::{Intersected, NavFault, NavSettings};
+use super::settings::{NavFault, NavSettings};
 
 /// Least variance that is kept: below it a covariance counts as none.
-const LEAST: f64 = 1e-10;
+pub(super) const LEAST: f64 = 1e-10;
 /// Standard deviation of the velocity of a robot that begins anyhow, m/s.
 const START_M_S: f64 = 0.5;
 
@@ -322,97 +323,4 @@ impl NavFilter {
         let sum = own + by_anchor * self.anchor_covariance * by_anchor.transpose();
         (sum + sum.transpose()) * 0.5
     }
-}
-
-/// The pose on the floor.
-fn planar(state: &NavState) -> Pose2 {
-    Pose2::new(state.position_m.xy(), state.yaw_rad())
-}
-
-/// How errors change x, y and yaw.
-fn planar_rows(state: &NavState) -> SMatrix<f64, 3, 15> {
-    let mut c = SMatrix::<f64, 3, 15>::zeros();
-    c[(0, POSITION)] = 1.0;
-    c[(1, POSITION + 1)] = 1.0;
-    c.fixed_view_mut::<1, 3>(2, ATTITUDE).copy_from(&yaw_by_errors(state).transpose());
-    c
-}
-
-/// Covariance intersection with a planar pose in the state's frame.
-fn fuse(moment: &mut Moment, measured: &PlanarPose, settings: &NavSettings, tally: &mut Tally) -> bool {
-    let r = (measured.covariance + measured.covariance.transpose()) * 0.5;
-    let is_number = is_finite2(&measured.pose) && r.iter().all(|v| v.is_finite());
-    if !is_number {
-        tally.n_rejected += 1;
-        return false;
-    }
-    if r.cholesky().is_none() {
-        moment.covariance *= 2.0;
-        tally.n_not_positive += 1;
-        return false;
-    }
-    let c = planar_rows(&moment.state);
-    let before = c * moment.covariance * c.transpose();
-    let expected = planar(&moment.state);
-    let way = measured.pose.translation.vector - expected.translation.vector;
-    let turn = wrap_angle(measured.pose.rotation.angle() - expected.rotation.angle());
-    let innovation = Vector3::new(way.x, way.y, turn);
-    let updated = settings.omega.weight(&before, &r).and_then(|omega| match settings.intersected {
-        Intersected::Pose => intersect_pose(&moment.covariance, &c, &r, &innovation, omega),
-        Intersected::Everything => intersect(&moment.covariance, &c, &r, &innovation, omega),
-    });
-    moment.adopt(updated.as_ref(), tally)
-}
-
-/// Makes where the robot stands the origin of the state's frame, and its yaw the x axis: both are certain then. Returns
-/// where that is in the frame before, with its covariance.
-fn anchor(moment: &mut Moment) -> (Pose2, Matrix3<f64>) {
-    let state = &mut moment.state;
-    let (pose, c, by_yaw) = (planar(state), planar_rows(state), yaw_by_errors(state));
-    let before = c * moment.covariance * c.transpose();
-    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -state.yaw_rad());
-    state.nav_from_body = turn * state.nav_from_body;
-    state.velocity_m_s = turn * state.velocity_m_s;
-    state.position_m.x = 0.0;
-    state.position_m.y = 0.0;
-    let up = state.nav_from_body.inverse() * Vector3::z();
-    let mut t = Covariance::identity();
-    t[(POSITION, POSITION)] = 0.0;
-    t[(POSITION + 1, POSITION + 1)] = 0.0;
-    t.fixed_view_mut::<3, 3>(ATTITUDE, ATTITUDE).copy_from(&(Matrix3::identity() - up * by_yaw.transpose()));
-    t.fixed_view_mut::<3, 3>(VELOCITY, VELOCITY).copy_from(turn.to_rotation_matrix().matrix());
-    let swung = Vector3::z().cross(&state.velocity_m_s);
-    t.fixed_view_mut::<3, 3>(VELOCITY, ATTITUDE).copy_from(&(-swung * by_yaw.transpose()));
-    let mut covariance = t * moment.covariance * t.transpose();
-    covariance[(POSITION, POSITION)] += LEAST;
-    covariance[(POSITION + 1, POSITION + 1)] += LEAST;
-    let certain = covariance.fixed_view::<3, 3>(ATTITUDE, ATTITUDE) + up * up.transpose() * LEAST;
-    covariance.fixed_view_mut::<3, 3>(ATTITUDE, ATTITUDE).copy_from(&certain);
-    moment.covariance = (covariance + covariance.transpose()) * 0.5;
-    (pose, (before + before.transpose()) * 0.5)
-}
-
-/// Covariance of a pose that is made of two.
-fn compounded(
-    first_covariance: &Matrix3<f64>,
-    first: &Pose2,
-    then: &Pose2,
-    then_covariance: &Matrix3<f64>,
-) -> Matrix3<f64> {
-    let way = first.rotation * then.translation.vector;
-    let mut by_first = Matrix3::identity();
-    by_first[(0, 2)] = -way.y;
-    by_first[(1, 2)] = way.x;
-    let by_then = first.rotation.to_rotation_matrix().to_homogeneous();
-    let sum =
-        by_first * first_covariance * by_first.transpose() + by_then * then_covariance * by_then.transpose();
-    (sum + sum.transpose()) * 0.5
-}
-
-/// Goes on by the velocity and the turn between two moments, without what measurements corrected.
-fn reckoned(from: &Pose2, before: &NavState, next: &Moment, since: Time) -> Pose2 {
-    let seconds = (next.stamp - since).as_secs();
-    let rate = before.nav_from_body * (next.sample.rates_rad_s - before.gyro_bias_rad_s);
-    let floor = Rotation2::new(-before.yaw_rad()) * before.velocity_m_s.xy();
-    from * Twist { forward_m_s: floor.x, left_m_s: floor.y, turn_rad_s: rate.z }.integrate(seconds)
 }

@@ -31,7 +31,7 @@ impl GraphSlam {
         self.tracker.covariance = covariance;
         self.sheet = Sheet::new(self.sheet_settings);
         self.odom_at_start = Some(odom_from_base);
-        map.grid = None;
+        map.grid = self.sheet.empty(&pose);
         map.coarse_grids.clear();
         map.touch();
     }
@@ -130,6 +130,7 @@ impl Slam for GraphSlam {
                 let tracker = saved::read(bytes, self.settings).map_err(SlamError::Other)?;
                 self.begin(Pose2::identity(), Pose2::identity(), Matrix3::identity() * 1e-6, map);
                 self.tracker = tracker;
+                map.grid = None;
                 self.sheet.keep_up(&self.tracker.atlas, self.tracker.n_moves, &mut map.grid);
                 map.touch();
             }

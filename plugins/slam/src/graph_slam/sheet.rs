@@ -56,6 +56,12 @@ impl Sheet {
         }
     }
 
+    /// An empty grid around a place, before anything was seen.
+    pub fn empty(&self, place: &Pose2) -> Option<Grid> {
+        let at = [place.translation.x, place.translation.y];
+        self.grid_of(at, at)
+    }
+
     /// Draws what is new and goes on with what is drawn anew; whether the grid has changed.
     pub fn keep_up(&mut self, atlas: &Atlas, n_moves: u64, layer: &mut Option<Grid>) -> bool {
         let n_frames = atlas.frames.len();

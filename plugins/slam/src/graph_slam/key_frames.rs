@@ -1,0 +1,73 @@
+//! When a scan becomes a key frame, and what follows from that: ties, loops, an optimization.
+
+use super::atlas::KeyFrame;
+use super::tracker::Tracker;
+use rumbo_core::frames::Pose2;
+
+/// After a loop so many frames are tied to neighbors that they could not trust before.
+const CATCH_UP: usize = 80;
+
+impl Tracker {
+    pub(super) fn is_key_frame(&self) -> bool {
+        let [way_m, turn_rad] = self.settings.key_frame_every;
+        self.atlas.frames.is_empty()
+            || self.frame_from_base.translation.vector.norm() >= way_m
+            || self.frame_from_base.rotation.angle().abs() >= turn_rad
+    }
+
+    pub(super) fn add_key_frame(&mut self, frame: KeyFrame) {
+        let odom_from_base = self.before.and_then(|before| before.odom_from_base);
+        let is_first = self.atlas.frames.is_empty();
+        let by_odometer = self.odom_from_frame.zip(odom_from_base).map(|(from, to)| from.inverse() * to);
+        let before = (!is_first).then(|| (self.front.frame, by_odometer.unwrap_or(self.frame_from_base)));
+        let map_from_base = if is_first { self.first_pose } else { self.map_from_base() };
+        let Some(added) = self.atlas.add(frame, &map_from_base, before) else { return };
+        self.frame_from_base = Pose2::identity();
+        self.odom_from_frame = odom_from_base;
+        self.atlas.tie_neighbors(added);
+        self.since_optimized += 1;
+        let has_loop = added % self.settings.look_for_loops_every == 0 && self.close_loop(added);
+        let due = self.settings.optimize_every.max((self.settings.optimize_share * added as f64) as usize);
+        if has_loop || self.since_optimized >= due {
+            self.optimize();
+        }
+        if has_loop {
+            for frame in (added + 1).saturating_sub(CATCH_UP)..=added {
+                self.atlas.tie_neighbors(frame);
+            }
+            self.optimize();
+        }
+        let recent: Vec<usize> = ((added + 1).saturating_sub(self.settings.n_recent)..added + 1).collect();
+        self.front.look_from(&self.atlas, added, &recent);
+    }
+
+    fn optimize(&mut self) {
+        self.atlas.optimize(8);
+        self.since_optimized = 0;
+        self.n_moves += 1;
+    }
+
+    fn close_loop(&mut self, frame: usize) -> bool {
+        let Some(found) = self.search.close(&self.atlas, frame, &self.settings.loops) else { return false };
+        let place_from_map = self.atlas.pose(found.place).inverse();
+        let mut near: Vec<(u64, usize)> = found
+            .frames
+            .iter()
+            .map(|other| {
+                let seen = found.place_from_frame.inverse() * place_from_map * self.atlas.pose(*other);
+                ((seen.translation.vector.norm() * 1e6) as u64, *other)
+            })
+            .collect();
+        near.sort_unstable();
+        let mut n_ties = 0;
+        for (_, other) in near {
+            let expected = found.place_from_frame.inverse() * place_from_map * self.atlas.pose(other);
+            n_ties += usize::from(self.atlas.tie(frame, other, &expected, 0.4, true));
+            if n_ties == 3 {
+                break;
+            }
+        }
+        self.n_loops += usize::from(n_ties > 0);
+        n_ties > 0
+    }
+}
