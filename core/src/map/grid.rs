@@ -231,7 +231,7 @@ impl Grid {
         let span = |mid: f64, most: usize| {
             let first = (mid - reach).floor().max(0.0) as usize;
             let last = (mid + reach).floor();
-            (first, if last < 0.0 { 0 } else { (last as usize + 1).min(most) })
+            (first, if last < 0.0 { 0 } else { (last as usize).saturating_add(1).min(most) })
         };
         let ((col0, col1), (row0, row1)) = (span(in_grid.x, width), span(in_grid.y, height));
         let cells = self.cells.make_mut();
@@ -294,6 +294,7 @@ mod tests {
             (0..400).map(|i| grid.cell_of(i)).filter(|c| grid.class(*c) == CellClass::Occupied).collect();
         assert_eq!(occupied.len(), 9);
         grid.occupy_disc(Point2::new(-5.0, 40.0), 0.3);
+        grid.occupy_disc(Point2::new(1e300, f64::INFINITY), 0.3);
         assert_eq!(grid.cells.iter().filter(|v| **v > 0.0).count(), 9);
     }
 
