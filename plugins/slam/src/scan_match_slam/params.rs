@@ -205,6 +205,7 @@ impl Params for ScanMatchSlamParams {
             expect(value >= 1, key, &value, "1 or more");
         }
         expect(self.min_points >= 4, "min_points", &self.min_points, "4 or more: a pose has three numbers");
+        expect(self.highest_m.is_finite(), "highest_m", &self.highest_m, "a finite number");
         let is_band = self.lowest_m < self.highest_m;
         expect(is_band, "lowest_m", &self.lowest_m, "less than highest_m");
         expect(
