@@ -15,6 +15,7 @@ pub mod registry;
 pub mod rng;
 pub mod robot;
 pub mod saved_state;
+pub mod seal;
 pub mod stages;
 pub mod time;
 pub mod trace;

@@ -4,18 +4,14 @@
 //! each), the robot in the map (x and y in meters, cosine and sine of its heading) and the covariance of x, y, yaw by
 //! rows as f64, one byte that is 1 where the robot was lost, the plugin's bytes (u64 length), the CRC-32 of all that.
 
-mod crc32;
-
 use crate::frames::Pose2;
-use crc32::crc32;
+use crate::seal::{Broken, Reader, Seal};
 use nalgebra::{Complex, Matrix3, Translation2, UnitComplex};
 use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-const MAGIC: [u8; 8] = *b"RUMBOSLM";
-/// Goes up with every change of the layout.
-const VERSION: u32 = 1;
+const SEAL: Seal = Seal { magic: *b"RUMBOSLM", version: 1 };
 /// How far the squared norm of a heading may be from 1: rounding, nothing else.
 const UNIT: f64 = 1e-6;
 
@@ -55,7 +51,7 @@ pub enum StateFault {
         path: PathBuf,
     },
     /// Another version of the format.
-    #[error("{path} is of the version {found}, this program reads version {VERSION}")]
+    #[error("{path} is of the version {found}, this program reads version {}", SEAL.version)]
     Version {
         /// The file.
         path: PathBuf,
@@ -80,19 +76,10 @@ pub enum StateFault {
     },
 }
 
-/// Why bytes are no state.
-enum Broken {
-    Foreign,
-    Version(u32),
-    Damaged,
-}
-
 impl SavedState {
     /// As bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let mut out = Vec::with_capacity(self.bytes.len() + 256);
-        out.extend(MAGIC);
-        out.extend(VERSION.to_le_bytes());
+        let mut out = SEAL.begin(self.bytes.len() + 256);
         for text in [&self.plugin, &self.version] {
             out.extend((text.len() as u32).to_le_bytes());
             out.extend(text.as_bytes());
@@ -104,9 +91,7 @@ impl SavedState {
         out.push(self.is_lost.into());
         out.extend((self.bytes.len() as u64).to_le_bytes());
         out.extend(&self.bytes);
-        let sum = crc32(&out);
-        out.extend(sum.to_le_bytes());
-        out
+        Seal::close(out)
     }
 
     /// Writes the file, whole or not at all: what was there stays until the new one is complete.
@@ -148,40 +133,21 @@ impl SavedState {
     }
 
     fn from_bytes(bytes: &[u8]) -> Result<SavedState, Broken> {
-        let mut rest = Reader(bytes);
-        if rest.chunk() != Some(MAGIC) {
-            return Err(Broken::Foreign);
-        }
-        let version = rest.chunk().map(u32::from_le_bytes).ok_or(Broken::Damaged)?;
-        if version != VERSION {
-            return Err(Broken::Version(version));
-        }
-        let (content, sum) = bytes.split_last_chunk().ok_or(Broken::Damaged)?;
-        if crc32(content) != u32::from_le_bytes(*sum) {
-            return Err(Broken::Damaged);
-        }
-        Self::content(rest).filter(SavedState::is_sound).ok_or(Broken::Damaged)
+        let content = SEAL.open(bytes)?;
+        Self::content(content).filter(SavedState::is_sound).ok_or(Broken::Damaged)
     }
 
-    /// What lies behind the version.
+    /// What lies under the seal.
     fn content(mut rest: Reader<'_>) -> Option<SavedState> {
-        let (plugin, version) = (rest.text()?, rest.text()?);
-        let [x, y, re, im] = rest.numbers()?;
+        let (plugin, version) = (text(&mut rest)?, text(&mut rest)?);
+        let [x, y, re, im] = numbers(&mut rest)?;
         let rotation = UnitComplex::new_unchecked(Complex::new(re, im));
         let map_from_base = Pose2::from_parts(Translation2::new(x, y), rotation);
-        let covariance = Matrix3::from_row_slice(&rest.numbers::<9>()?);
+        let covariance = Matrix3::from_row_slice(&numbers::<9>(&mut rest)?);
         let is_lost = rest.chunk::<1>()? == [1];
         let n = usize::try_from(u64::from_le_bytes(rest.chunk()?)).ok()?;
         let bytes = rest.take(n)?.to_vec();
-        // The sum itself is left.
-        (rest.0.len() == 4).then_some(SavedState {
-            plugin,
-            version,
-            map_from_base,
-            covariance,
-            is_lost,
-            bytes,
-        })
+        rest.is_empty().then_some(SavedState { plugin, version, map_from_base, covariance, is_lost, bytes })
     }
 
     fn is_sound(&self) -> bool {
@@ -194,32 +160,17 @@ impl SavedState {
     }
 }
 
-/// Takes values off the front.
-struct Reader<'b>(&'b [u8]);
+fn text(rest: &mut Reader<'_>) -> Option<String> {
+    let n = usize::try_from(rest.u32()?).ok()?;
+    String::from_utf8(rest.take(n)?.to_vec()).ok()
+}
 
-impl<'b> Reader<'b> {
-    fn take(&mut self, n: usize) -> Option<&'b [u8]> {
-        let (taken, left) = self.0.split_at_checked(n)?;
-        self.0 = left;
-        Some(taken)
+fn numbers<const N: usize>(rest: &mut Reader<'_>) -> Option<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for number in &mut numbers {
+        *number = rest.f64()?;
     }
-
-    fn chunk<const N: usize>(&mut self) -> Option<[u8; N]> {
-        self.take(N)?.try_into().ok()
-    }
-
-    fn text(&mut self) -> Option<String> {
-        let n = u32::from_le_bytes(self.chunk()?);
-        String::from_utf8(self.take(usize::try_from(n).ok()?)?.to_vec()).ok()
-    }
-
-    fn numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
-        let mut numbers = [0.0; N];
-        for number in &mut numbers {
-            *number = f64::from_le_bytes(self.chunk()?);
-        }
-        Some(numbers)
-    }
+    Some(numbers)
 }
 
 #[cfg(test)]

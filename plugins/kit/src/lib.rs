@@ -5,6 +5,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic))]
 
 pub mod beam_table;
+mod compounded;
 pub mod correlative;
 pub mod cost_field;
 pub mod depth;
@@ -40,7 +41,6 @@ pub mod relations;
 pub mod resampling;
 pub mod scan_match;
 pub mod scan_odometry;
-pub mod seal;
 pub mod segment;
 pub mod simd;
 mod small_file;

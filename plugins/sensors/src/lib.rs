@@ -23,4 +23,5 @@ mod recorded;
 mod test_world;
 mod text_device;
 mod text_line;
+mod tilt;
 mod virtual_scan;

@@ -8,8 +8,9 @@ use super::call::{Call, bad};
 use super::guard::{destroy, guarded};
 use super::localizer::write_estimate;
 use super::map_taken::with_map;
-use crate::messages::{Observation, Seen};
-use crate::stages::Slam;
+use crate::map::Map;
+use crate::messages::{Observation, Prior, Seen};
+use crate::stages::{Slam, SlamError};
 use std::ffi::c_void;
 
 /// Functions of every SLAM plugin.
@@ -34,18 +35,23 @@ pub(super) fn this(slam: Box<dyn Slam>) -> *mut c_void {
     Box::into_raw(Box::new(Side { slam, seen: Vec::new(), loan: EstimateLoan::default() })).cast()
 }
 
-unsafe extern "C" fn start(
+/// Hands what is known of the robot, and the map, to one of the plugin's functions.
+///
+/// # Safety
+/// All of it is what the host hands over for this call, and `this` is an instance that [`this`] gave.
+unsafe fn tell(
     this: *mut c_void,
     prior: *const rumbo_prior,
     map: *mut rumbo_map_mut,
     error: *mut rumbo_error,
+    told: impl FnOnce(&mut dyn Slam, &Prior, &mut Map) -> Result<(), SlamError>,
 ) -> i32 {
     // SAFETY: what the host hands over for this call, and an instance that `this` gave.
     unsafe {
         with_map(map, |map| {
             guarded(error, |error| {
                 let Some(side) = this.cast::<Side>().as_mut() else { return RUMBO_ERROR };
-                match prior_from(prior).map(|prior| side.slam.start(&prior, map)) {
+                match prior_from(prior).map(|prior| told(&mut *side.slam, &prior, map)) {
                     Ok(Ok(())) => RUMBO_OK,
                     Ok(Err(why)) => why.cross(error),
                     Err(view) => bad(&view, error),
@@ -53,6 +59,16 @@ unsafe extern "C" fn start(
             })
         })
     }
+}
+
+unsafe extern "C" fn start(
+    this: *mut c_void,
+    prior: *const rumbo_prior,
+    map: *mut rumbo_map_mut,
+    error: *mut rumbo_error,
+) -> i32 {
+    // SAFETY: the caller's own contract.
+    unsafe { tell(this, prior, map, error, |slam, prior, map| slam.start(prior, map)) }
 }
 
 unsafe extern "C" fn update(
@@ -92,19 +108,8 @@ unsafe extern "C" fn relocate(
     map: *mut rumbo_map_mut,
     error: *mut rumbo_error,
 ) -> i32 {
-    // SAFETY: what the host hands over for this call, and an instance that `this` gave.
-    unsafe {
-        with_map(map, |map| {
-            guarded(error, |error| {
-                let Some(side) = this.cast::<Side>().as_mut() else { return RUMBO_ERROR };
-                match prior_from(prior).map(|prior| side.slam.relocate(&prior, map)) {
-                    Ok(Ok(())) => RUMBO_OK,
-                    Ok(Err(why)) => why.cross(error),
-                    Err(view) => bad(&view, error),
-                }
-            })
-        })
-    }
+    // SAFETY: the caller's own contract.
+    unsafe { tell(this, prior, map, error, |slam, prior, map| slam.relocate(prior, map)) }
 }
 
 unsafe extern "C" fn trajectory(

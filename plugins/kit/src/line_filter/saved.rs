@@ -8,8 +8,8 @@ use super::FilterSettings;
 use super::filter::{LineFilter, MapUse};
 use super::tentative::{Candidate, Tentative};
 use super::wall::Wall;
-use crate::seal::{Broken, Reader, Seal};
 use nalgebra::{Cholesky, Matrix5, Vector5};
+use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::time::Time;
 
 /// Goes up with every change of the layout.

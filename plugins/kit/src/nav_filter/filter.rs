@@ -6,12 +6,13 @@ use rumbo_core::time::Time;
 
 use super::aids::{AidKind, floor_velocity, is_gravity, leveled_angles};
 use super::euler::angles_by_errors;
-use super::fusion::{anchor, compounded, fuse, planar, planar_rows, reckoned};
+use super::fusion::{anchor, fuse, planar, planar_rows, reckoned};
 use super::history::{History, Moment, Tally};
 use super::intersection::PlanarPose;
 use super::leveling::is_reading;
 use super::model::{ACCEL_BIAS, ATTITUDE, Covariance, GYRO_BIAS, ImuSample, NavState, POSITION, VELOCITY};
 use super::settings::{NavFault, NavSettings};
+use crate::compounded::compounded;
 
 /// Least variance that is kept: below it a covariance counts as none.
 pub(super) const LEAST: f64 = 1e-10;

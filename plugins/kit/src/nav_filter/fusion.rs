@@ -82,23 +82,6 @@ pub(super) fn anchor(moment: &mut Moment) -> (Pose2, Matrix3<f64>) {
     (pose, (before + before.transpose()) * 0.5)
 }
 
-/// Covariance of a pose that is made of two.
-pub(super) fn compounded(
-    first_covariance: &Matrix3<f64>,
-    first: &Pose2,
-    then: &Pose2,
-    then_covariance: &Matrix3<f64>,
-) -> Matrix3<f64> {
-    let way = first.rotation * then.translation.vector;
-    let mut by_first = Matrix3::identity();
-    by_first[(0, 2)] = -way.y;
-    by_first[(1, 2)] = way.x;
-    let by_then = first.rotation.to_rotation_matrix().to_homogeneous();
-    let sum =
-        by_first * first_covariance * by_first.transpose() + by_then * then_covariance * by_then.transpose();
-    (sum + sum.transpose()) * 0.5
-}
-
 /// Goes on by the velocity and the turn between two moments, without what measurements corrected.
 pub(super) fn reckoned(from: &Pose2, before: &NavState, next: &Moment, since: Time) -> Pose2 {
     let seconds = (next.stamp - since).as_secs();

@@ -4,6 +4,7 @@ use super::key_scan::KeyScan;
 use super::points::ScanPoints;
 use super::registration::{MatchStatus, PosePrior, Registrar, Registration, numbers};
 use super::settings::ScanOdometrySettings;
+use crate::compounded::compounded;
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3};
 use rumbo_core::messages::LaserScan;
@@ -145,23 +146,6 @@ impl ScanOdometer {
 
 /// Another start must find so much more support: in a corridor all are alike.
 const LEAST_GAIN: f64 = 0.1;
-
-/// Covariance of a pose that is made of two: of `first` in a frame, and of `then` in that of `first`.
-fn compounded(
-    first_covariance: &Matrix3<f64>,
-    first: &Pose2,
-    then: &Pose2,
-    then_covariance: &Matrix3<f64>,
-) -> Matrix3<f64> {
-    let way = first.rotation * then.translation.vector;
-    let mut by_first = Matrix3::identity();
-    by_first[(0, 2)] = -way.y;
-    by_first[(1, 2)] = way.x;
-    let by_then = first.rotation.to_rotation_matrix().to_homogeneous();
-    let sum =
-        by_first * first_covariance * by_first.transpose() + by_then * then_covariance * by_then.transpose();
-    (sum + sum.transpose()) * 0.5
-}
 
 impl MatchStatus {
     /// The word for it.

@@ -8,8 +8,8 @@
 use super::evidence::Verdict;
 use super::memory::{CellMemory, Memory};
 use super::raster::Raster;
+use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_kit::GridSize;
-use rumbo_kit::seal::{Broken, Reader, Seal};
 
 /// Goes up with every change of the layout, or of what it means.
 const VERSION: u32 = 1;

@@ -1,5 +1,6 @@
 //! Depth pictures as scans, as a virtual sensor of the framework.
 
+use crate::tilt::{without_yaw, world_from_base};
 use std::ops::Range;
 
 use nalgebra::{Translation3, UnitQuaternion};
@@ -95,13 +96,10 @@ impl Sensor for DepthToScan {
 }
 
 impl DepthToScan {
-    /// Takes in how the base is tilted. Yaw is the odometer's business.
+    /// Takes in how the base is tilted.
     fn turn(&mut self, observation: &Observation, imu: &Imu) {
-        let Some([roll_rad, pitch_rad, yaw_rad]) = imu.attitude_rad else { return };
-        let world_from_imu = UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, yaw_rad);
-        let world_from_base = world_from_imu * observation.base_from_sensor.rotation.inverse();
-        let (roll_rad, pitch_rad, _) = world_from_base.euler_angles();
-        let stabilized_from_base = UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, 0.0);
+        let Some(world_from_base) = world_from_base(&observation.base_from_sensor, imu) else { return };
+        let stabilized_from_base = without_yaw(&world_from_base);
         self.attitude = Some(Attitude { stamp: observation.stamp, stabilized_from_base });
     }
 

@@ -1,5 +1,6 @@
 //! How the base was tilted over the last moments.
 
+use crate::tilt::{without_yaw, world_from_base};
 use nalgebra::{UnitQuaternion, Vector3};
 use rumbo_core::frames::Pose3;
 use rumbo_core::messages::Imu;
@@ -41,9 +42,7 @@ impl AttitudeTrack {
 
     /// Takes in a reading of a device on this mount. Returns whether it has an attitude and is newer than what is known.
     pub fn push(&mut self, stamp: Time, base_from_imu: &Pose3, imu: &Imu) -> bool {
-        let Some([roll_rad, pitch_rad, yaw_rad]) = imu.attitude_rad else { return false };
-        let world_from_imu = UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, yaw_rad);
-        let world_from_base = world_from_imu * base_from_imu.rotation.inverse();
+        let Some(world_from_base) = world_from_base(base_from_imu, imu) else { return false };
         let rates_rad_s = base_from_imu.rotation * Vector3::from(imu.rates_rad_s);
         let is_finite = world_from_base.coords.iter().chain(rates_rad_s.iter()).all(|v| v.is_finite());
         if !is_finite || self.track.back().is_some_and(|last| last.stamp >= stamp) {
@@ -81,13 +80,6 @@ impl AttitudeTrack {
             age: Span((time - nearest.stamp).0.abs()),
         })
     }
-}
-
-/// Roll and pitch only: yaw is the odometer's business.
-fn without_yaw(world_from_base: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
-    let ahead = world_from_base * Vector3::x();
-    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), ahead.y.atan2(ahead.x));
-    yaw.inverse() * world_from_base
 }
 
 #[cfg(test)]

@@ -6,9 +6,9 @@ use super::tracker::{Before, Fit, Track, Tracker, TrackerSettings};
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion};
 use rumbo_core::frames::{Pose2, Pose3, is_finite2, is_finite3, pose2};
 use rumbo_core::messages::{Check, LaserScan};
+use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::time::Time;
 use rumbo_kit::pose_graph::{Constraint, RobustKernel};
-use rumbo_kit::seal::{Broken, Reader, Seal};
 
 const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 1 };
 
