@@ -10,7 +10,6 @@ use super::subject::Subject;
 use super::turn::Turn;
 use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Pose2, wrap_angle};
-use rumbo_core::map::Layer;
 use rumbo_core::messages::{Estimate, Prior};
 use rumbo_core::stages::BuildContext;
 
@@ -23,7 +22,7 @@ const DETERMINISTIC: Law =
     Law::new("the same drive gives the same estimates, also after a new start", deterministic)
         .within("to the bit, with the same seed");
 const SYMMETRIC: Law = Law::new("a world turned or mirrored turns the estimate with it", symmetric)
-    .within("1 cm and 0.5 degrees; 15 cm and 5 degrees where chance or a raster plays a part");
+    .within("1 cm and 0.5 degrees; 15 cm and 5 degrees where chance plays a part");
 const MEMORY: Law = Law::new("10,000 calls use finite memory", finite_memory).within("64 MiB").long();
 
 /// What every localizer keeps.
@@ -120,9 +119,7 @@ fn symmetric(subject: &Subject) -> Verdict {
     let (drive, as_is) = estimates(subject, Turn::None)?;
     let other_seed = BuildContext { seed: subject.context().seed + 1, ..subject.context() };
     let is_random = Tracker::new_in(subject, &drive, &other_seed)?.follow_all(&drive)? != as_is;
-    // A map of cells turns only as well as its raster does.
-    let has_raster = subject.manifest().gives_layers.contains(&Layer::Grid);
-    let (most_m, most_deg) = if is_random || has_raster { (0.15, 5.0) } else { (0.01, 0.5) };
+    let (most_m, most_deg) = if is_random { (0.15, 5.0) } else { (0.01, 0.5) };
     let height_m = drive.world.height_m();
     // The drive lies in the hall as it is, whose height turned worlds need.
     let (mut worst_m, mut worst_deg) = (0f64, 0f64);
