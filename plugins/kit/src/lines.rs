@@ -16,8 +16,11 @@ mod tests;
 
 pub use crate::landmarks::BeamFan;
 pub use extractor::LineExtractor;
-pub use fit::{LineFit, fit};
+pub use fit::{LineFit, fit, fit_weighted};
 pub use points::Points;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 /// A line piece in the frame of the sensor that saw it: `{p : p . n = rho}` with `n = (cos phi, sin phi)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +50,17 @@ pub struct PointNoise {
     pub surface_m: f64,
 }
 
+/// How much each reading counts in the fit of a line.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FitWeights {
+    /// All alike, as published.
+    #[default]
+    Equal,
+    /// By the inverse of its variance across the line: what is near and met head on counts more.
+    Noise,
+}
+
 /// When readings are a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineSettings {
@@ -62,6 +76,8 @@ pub struct LineSettings {
     pub max_rms_m: f64,
     /// Neighbors become one line when all their readings scatter less than this about it, meters.
     pub merge_rms_m: f64,
+    /// How much each reading counts.
+    pub weights: FitWeights,
     /// How unsure a reading is.
     pub noise: PointNoise,
     /// Least standard deviation of a line's distance, meters: readings at corners are not modeled.
@@ -80,6 +96,7 @@ impl Default for LineSettings {
             min_length_m: 0.40,
             max_rms_m: 0.045,
             merge_rms_m: 0.027,
+            weights: FitWeights::Equal,
             noise: PointNoise { range_m: 0.03, bearing_rad: 0.1f64.to_radians(), surface_m: 0.005 },
             floor_distance_m: 0.005,
             floor_normal_rad: 0.1f64.to_radians(),

@@ -7,7 +7,7 @@ use super::schedule::Schedule;
 use super::steering::SteeringModel;
 use super::tracker::TrackerSettings;
 use super::{FilterSettings, Gates, Growth, MotionModel, Steering, Wheels};
-use crate::lines::{LineSettings, PointNoise};
+use crate::lines::{FitWeights, LineSettings, PointNoise};
 use rumbo_core::robot::{Drive, Robot};
 use rumbo_core::time::Span;
 use schemars::JsonSchema;
@@ -29,6 +29,8 @@ pub struct ExtractionParams {
     pub merge_rms_m: f64,
     /// Steepest incidence at which neighboring readings are still of one wall, degrees (lambda).
     pub grazing_deg: f64,
+    /// How much each reading counts in the fit: `equal`, or `noise`, by how sure it is across the line.
+    pub weights: FitWeights,
 }
 
 impl Default for ExtractionParams {
@@ -41,6 +43,7 @@ impl Default for ExtractionParams {
             max_rms_m: lines.max_rms_m,
             merge_rms_m: lines.merge_rms_m,
             grazing_deg: 10.0,
+            weights: lines.weights,
         }
     }
 }
@@ -229,6 +232,7 @@ impl SharedParams<'_> {
             min_length_m: extraction.min_length_m,
             max_rms_m: extraction.max_rms_m,
             merge_rms_m: extraction.merge_rms_m,
+            weights: extraction.weights,
             noise: PointNoise {
                 range_m: noise.range_m,
                 bearing_rad: noise.bearing_deg.to_radians(),

@@ -1,9 +1,9 @@
 //! From a scan to its lines, in memory that is kept.
 
-use super::fit::{LineFit, fit};
+use super::fit::{LineFit, fit, fit_weighted};
 use super::points::Points;
 use super::split::split;
-use super::{LineSettings, SensedLine};
+use super::{FitWeights, LineSettings, SensedLine};
 use crate::landmarks::BeamFan;
 use std::ops::Range;
 
@@ -14,6 +14,8 @@ pub struct LineExtractor {
     points: Points,
     stack: Vec<Range<usize>>,
     pieces: Vec<Range<usize>>,
+    /// Of the points of one line.
+    weights: Vec<f64>,
     lines: Vec<SensedLine>,
 }
 
@@ -25,6 +27,7 @@ impl LineExtractor {
             points: Points::default(),
             stack: Vec::new(),
             pieces: Vec::new(),
+            weights: Vec::new(),
             lines: Vec::new(),
         }
     }
@@ -34,7 +37,7 @@ impl LineExtractor {
         self.lines.clear();
         self.pieces.clear();
         self.points.place(fan, ranges_m, &self.settings);
-        let Self { settings, points, stack, pieces, lines } = self;
+        let Self { settings, points, stack, pieces, weights, lines } = self;
         for run in points.runs() {
             split(points, run, settings.split_m, settings.min_points, stack, |piece| {
                 let joined = pieces.last().and_then(|last| joined(points, last, &piece, settings));
@@ -44,7 +47,7 @@ impl LineExtractor {
                 }
             });
         }
-        lines.extend(pieces.iter().filter_map(|piece| line_of(points, piece.clone(), settings)));
+        lines.extend(pieces.iter().filter_map(|piece| line_of(points, piece.clone(), settings, weights)));
         &self.lines
     }
 
@@ -71,17 +74,21 @@ fn joined(
 }
 
 /// The line of a straight piece without its end points, which a corner may have mixed with something else.
-fn line_of(points: &Points, piece: Range<usize>, settings: &LineSettings) -> Option<SensedLine> {
+fn line_of(
+    points: &Points,
+    piece: Range<usize>,
+    settings: &LineSettings,
+    weights: &mut Vec<f64>,
+) -> Option<SensedLine> {
     let inner = piece.start + 1..piece.end.checked_sub(1)?;
     if inner.len() < settings.min_points.max(2) {
         return None;
     }
-    let line: LineFit = fit(points, inner.clone())?;
+    let (line, mut covariance) = weighted(points, inner.clone(), settings, weights)?;
     let [first_m, last_m] = line.extent_m(points, inner.clone());
     if line.rms_m > settings.max_rms_m || last_m - first_m < settings.min_length_m {
         return None;
     }
-    let mut covariance = line.covariance(points, inner.clone(), &settings.noise);
     covariance[0] += settings.floor_distance_m * settings.floor_distance_m;
     covariance[2] += settings.floor_normal_rad * settings.floor_normal_rad;
     covariance.iter().all(|v| v.is_finite()).then(|| SensedLine {
@@ -92,4 +99,21 @@ fn line_of(points: &Points, piece: Range<usize>, settings: &LineSettings) -> Opt
         n_points: inner.len(),
         rms_m: line.rms_m,
     })
+}
+
+/// The fit that is asked for, and its covariance.
+fn weighted(
+    points: &Points,
+    piece: Range<usize>,
+    settings: &LineSettings,
+    weights: &mut Vec<f64>,
+) -> Option<(LineFit, [f64; 3])> {
+    let line = fit(points, piece.clone())?;
+    let by_noise = settings.weights == FitWeights::Noise;
+    if by_noise && line.weights(points, piece.clone(), &settings.noise, weights) {
+        let line = fit_weighted(points, piece.clone(), weights)?;
+        let covariance = line.weighted_covariance(points, piece, weights, &settings.noise);
+        return Some((line, covariance));
+    }
+    Some((line, line.covariance(points, piece, &settings.noise)))
 }

@@ -1,6 +1,7 @@
 mod fits;
 mod scans;
 mod segmentation;
+mod weights;
 
 use super::*;
 
