@@ -166,6 +166,23 @@ fn an_interrupted_run_saves_its_state_too() {
     assert!(!saved.is_lost && saved.bytes.len() > 200);
 }
 
+/// The shipped log has the true poses; the pipeline of lines starts at the origin and never sees them.
+#[test]
+fn the_way_of_the_shipped_log_is_the_recorded_one_to_a_decimeter_and_a_half() {
+    let folder = scratch("slam_way");
+    let poses = ["pipelines/mapping_log.toml", LINES].map(|pipeline| {
+        let poses = folder.join(Path::new(pipeline).file_stem().unwrap()).with_extension("txt");
+        let given = give(&["run", pipeline, "--no-report", "--poses", poses.to_str().unwrap()]);
+        assert_eq!(given.code, 0, "{}", given.stderr);
+        poses.to_str().unwrap().to_owned()
+    });
+    let [truth, estimated] = &poses;
+    let given = give(&["eval", "trajectory", estimated, truth, "--json"]);
+    assert_eq!(given.code, 0, "{}", given.stderr);
+    let rmse_m = given.json()["ate_m"]["rmse"].as_f64().unwrap();
+    assert!(rmse_m < 0.15, "{rmse_m} m over 152 m");
+}
+
 #[test]
 fn several_logs_and_pipelines_are_one_table_with_the_errors_of_their_relations() {
     let folder = scratch("eval_slam");

@@ -84,12 +84,25 @@ impl ScanOdometer {
         step: &Pose2,
         step_covariance: &Matrix3<f64>,
     ) -> ScanStep {
+        self.take_with(scan, base_from_sensor, (step, step_covariance), None)
+    }
+
+    /// The same where there is a second opinion of how the base moved: it counts where clearly more points support it.
+    pub fn take_with(
+        &mut self,
+        scan: &LaserScan,
+        base_from_sensor: &Pose3,
+        (step, step_covariance): (&Pose2, &Matrix3<f64>),
+        other: Option<(&Pose2, &Matrix3<f64>)>,
+    ) -> ScanStep {
         self.points.place(scan, base_from_sensor);
-        let prior = PosePrior {
-            key_from_base: self.key_from_base * step,
-            covariance: compounded(&self.covariance, &self.key_from_base, step, step_covariance),
-        };
-        let matched = self.best(&prior);
+        let mut matched = self.best(&self.prior(step, step_covariance));
+        if let Some((step, step_covariance)) = other {
+            let again = self.best(&self.prior(step, step_covariance));
+            if again.is_better_than(&matched, LEAST_GAIN_OF_OTHER) {
+                matched = again;
+            }
+        }
         let before = std::mem::replace(&mut self.key_from_base, matched.key_from_base);
         self.covariance = matched.covariance;
         self.n_failed = if matched.status.is_good() { 0 } else { self.n_failed.saturating_add(1) };
@@ -98,6 +111,13 @@ impl ScanOdometer {
             self.begin_key();
         }
         ScanStep { last_from_base: before.inverse() * matched.key_from_base, matched, is_key }
+    }
+
+    fn prior(&self, step: &Pose2, step_covariance: &Matrix3<f64>) -> PosePrior {
+        PosePrior {
+            key_from_base: self.key_from_base * step,
+            covariance: compounded(&self.covariance, &self.key_from_base, step, step_covariance),
+        }
     }
 
     fn wants_key(&self, matched: &Registration) -> bool {
@@ -133,9 +153,7 @@ impl ScanOdometer {
             for side in [-1.0, 1.0] {
                 let turned = start + Vector3::z() * (side * k as f64 * settings.retry_step_rad);
                 let again = registrar.register_from(key, points, turned, prior, settings);
-                let is_better = again.status.is_good()
-                    && (!best.status.is_good() || again.support > best.support + LEAST_GAIN);
-                if is_better {
+                if again.is_better_than(&best, LEAST_GAIN) {
                     best = again;
                 }
             }
@@ -146,6 +164,15 @@ impl ScanOdometer {
 
 /// Another start must find so much more support: in a corridor all are alike.
 const LEAST_GAIN: f64 = 0.1;
+
+/// A second opinion must find so much more.
+const LEAST_GAIN_OF_OTHER: f64 = 0.02;
+
+impl Registration {
+    fn is_better_than(&self, other: &Registration, least_gain: f64) -> bool {
+        self.status.is_good() && (!other.status.is_good() || self.support > other.support + least_gain)
+    }
+}
 
 impl MatchStatus {
     /// The word for it.

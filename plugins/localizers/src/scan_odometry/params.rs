@@ -16,13 +16,14 @@ use serde::{Deserialize, Serialize};
 ///
 /// The match begins where a gyro and the velocity so far say that the robot is. Along a corridor, where walls do not show
 /// the way, that is what counts, and the covariance says so. Scans that say nothing or fit nothing leave it, too. Wheels are
-/// not looked at unless `prediction = "wheels"`. Of several scanners it takes the first that speaks.
+/// not looked at unless `prediction` is `"wheels"` or `"either"`. Of several scanners it takes the first that speaks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ScanOdometryParams {
     /// Where a match begins. `"gyro"`: the turn of an inertial measurement unit, where there is one, and constant velocity.
     /// `"constant_velocity"`: that alone. `"wheels"`: the wheels' way, which also counts where scans do not show it.
-    /// `"none"`: where the last one ended.
+    /// `"either"`: there, and where the gyro and the velocity say; what clearly more points support counts. `"none"`: where
+    /// the last one ended.
     pub prediction: Prediction,
     /// A velocity is carried on for at most so long after the last good match, seconds; then the robot is taken to stand.
     pub carry_on_s: f64,
@@ -96,8 +97,22 @@ pub enum Prediction {
     ConstantVelocity,
     /// What the wheels say.
     Wheels,
+    /// What the wheels say, or the gyro and the velocity where the scan supports that better.
+    Either,
     /// No motion.
     None,
+}
+
+impl Prediction {
+    /// Wheels are looked at.
+    pub fn has_wheels(self) -> bool {
+        matches!(self, Prediction::Wheels | Prediction::Either)
+    }
+
+    /// A gyro is looked at.
+    pub fn has_gyro(self) -> bool {
+        matches!(self, Prediction::Gyro | Prediction::Either)
+    }
 }
 
 /// Which line stands for the surface at a point.

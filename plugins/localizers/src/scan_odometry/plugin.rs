@@ -61,6 +61,10 @@ impl Plugin<dyn Localizer> for ScanOdometryParams {
         let mut uses = Vec::new();
         match self.prediction {
             Prediction::Wheels => consumes.push(vec![ObservationKind::Odometry]),
+            Prediction::Either => {
+                consumes.push(vec![ObservationKind::Odometry]);
+                uses.push(ObservationKind::Imu);
+            }
             Prediction::Gyro => uses.push(ObservationKind::Imu),
             Prediction::ConstantVelocity | Prediction::None => {}
         }

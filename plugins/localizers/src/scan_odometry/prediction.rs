@@ -68,7 +68,7 @@ impl Motion {
     pub fn take_imu(&mut self, stamp: Time, base_from_sensor: &Pose3, imu: &Imu) -> bool {
         let rate_rad_s = (base_from_sensor.rotation * Vector3::from(imu.rates_rad_s)).z;
         let is_new = self.gyro.back().is_none_or(|(last, _)| stamp > *last);
-        if !(is_new && rate_rad_s.abs() <= FASTEST_TURN_RAD_S) || self.prediction != Prediction::Gyro {
+        if !(is_new && rate_rad_s.abs() <= FASTEST_TURN_RAD_S) || !self.prediction.has_gyro() {
             return false;
         }
         self.gyro.push_back((stamp, rate_rad_s));
@@ -80,7 +80,7 @@ impl Motion {
 
     /// Takes in a reading of the wheels; whether they are looked at.
     pub fn take_wheels(&mut self, stamp: Time, odometry: &Odometry) -> bool {
-        let is_used = self.prediction == Prediction::Wheels;
+        let is_used = self.prediction.has_wheels();
         if is_used {
             self.wheels.push(stamp, odometry);
             self.wheel_noise = odometry.noise;
@@ -108,17 +108,27 @@ impl Motion {
     pub fn newest(&self) -> Option<Time> {
         match self.prediction {
             Prediction::Gyro => self.gyro.back().map(|(stamp, _)| *stamp),
-            Prediction::Wheels => self.wheels.stamp(),
+            Prediction::Wheels | Prediction::Either => self.wheels.stamp(),
             Prediction::ConstantVelocity | Prediction::None => None,
         }
     }
 
     /// The base after a time seen from the base before it, with the covariance of x, y, yaw.
     pub fn step(&self, from: Time, to: Time) -> (Pose2, Matrix3<f64>) {
-        let seconds = (to - from).as_secs().max(0.0);
-        if self.prediction == Prediction::Wheels && self.wheels.stamp().is_some() {
+        if self.prediction.has_wheels() && self.wheels.stamp().is_some() {
             return self.step_of_wheels(from, to);
         }
+        self.step_of_velocity(from, to)
+    }
+
+    /// A second opinion on that, where one is asked for.
+    pub fn other_step(&self, from: Time, to: Time) -> Option<(Pose2, Matrix3<f64>)> {
+        let has_both = self.prediction == Prediction::Either && self.wheels.stamp().is_some();
+        has_both.then(|| self.step_of_velocity(from, to))
+    }
+
+    fn step_of_velocity(&self, from: Time, to: Time) -> (Pose2, Matrix3<f64>) {
+        let seconds = (to - from).as_secs().max(0.0);
         // As of the last match; a robot that nobody has seen since then is taken to stand after a while.
         let age_s = self.twist_stamp.map_or(f64::INFINITY, |stamp| (from - stamp).as_secs());
         let is_known = age_s < self.noise.carry_on_s && self.prediction != Prediction::None;

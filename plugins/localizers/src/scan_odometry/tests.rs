@@ -254,6 +254,28 @@ fn noise() -> MotionNoise {
     MotionNoise { carry_on_s: 0.5, speed_m_s: 0.2, turn_rad_s: 0.3, gyro_rad_s: 0.01, fastest: [1.0, 2.0] }
 }
 
+/// A robot that turns by 40 degrees from scan to scan and is 0.3 m on, and one that stands while its wheels turn.
+#[test]
+fn of_wheels_and_velocity_the_one_counts_that_the_scan_supports() {
+    let far = |k: u32| pose2(0.3 * f64::from(k), 0.0, 0.7 * f64::from(k));
+    let near = |_| Pose2::identity();
+    for (prediction, turned, truth) in [
+        (Prediction::Either, far as fn(u32) -> Pose2, far as fn(u32) -> Pose2),
+        (Prediction::Either, far, near),
+        (Prediction::Wheels, far, far),
+    ] {
+        let mut localizer = started(&ScanOdometryParams { prediction, ..ScanOdometryParams::default() });
+        for k in 0..3 {
+            let seconds = f64::from(k);
+            let seen = [wheels(turned(k), seconds), scan(HALL, &truth(k), seconds)];
+            update(&mut *localizer, seconds, &seen);
+        }
+        let estimate = update(&mut *localizer, 2.0, &[]);
+        let [way_m, turn_rad] = apart(&estimate.pose2(), &truth(2));
+        assert!(way_m < 0.02 && turn_rad < 0.01, "{prediction:?}: {way_m} m, {turn_rad} rad");
+    }
+}
+
 #[test]
 fn a_velocity_is_that_of_the_arc_and_is_carried_on_for_a_while() {
     let mut motion = Motion::new(Prediction::ConstantVelocity, noise());

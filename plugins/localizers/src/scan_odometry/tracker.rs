@@ -125,7 +125,10 @@ impl Tracker {
         let (step, covariance) = self
             .last_scan
             .map_or((Pose2::identity(), Matrix3::zeros()), |last| self.motion.step(last, stamp));
-        let taken = self.odometer.take(scan, &observation.base_from_sensor, &step, &covariance);
+        let other = self.last_scan.and_then(|last| self.motion.other_step(last, stamp));
+        let other = other.as_ref().map(|(step, covariance)| (step, covariance));
+        let mount = &observation.base_from_sensor;
+        let taken = self.odometer.take_with(scan, mount, (&step, &covariance), other);
         self.note(&taken, stamp);
         self.last_scan = Some(stamp);
         self.last_step = Some(taken);
