@@ -1,0 +1,208 @@
+//! How the robot moved since a scan, before the next one is looked at.
+
+use nalgebra::{Matrix3, Vector3};
+use rumbo_core::frames::{Pose2, Twist, pose2, wrap_angle};
+use rumbo_core::messages::{Data, Seen};
+use rumbo_core::odometry_track::OdometryTrack;
+use rumbo_core::time::Time;
+use std::collections::VecDeque;
+
+/// Where the first guess of a match comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PredictionRule {
+    /// The odometer where there is one, the gyroscope's turn where there is one, and otherwise the velocity of the last
+    /// matches.
+    Odometry,
+    /// The velocity of the last matches.
+    ConstantVelocity,
+    /// The last match.
+    LastPose,
+}
+
+/// How wrong the guess may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MotionErrors {
+    /// Of an odometer's way, meters a meter.
+    pub way_share: f64,
+    /// Of an odometer's turn, radians a radian.
+    pub turn_share: f64,
+    /// Of an odometer's turn, radians a meter.
+    pub turn_rad_m: f64,
+    /// Of a gyroscope's turn, radians a second.
+    pub gyro_rad_s: f64,
+    /// Without an odometer: change of speed, m/s².
+    pub acceleration_m_s2: f64,
+    /// Without an odometer and a gyroscope: change of the turning rate, rad/s².
+    pub turn_acceleration_rad_s2: f64,
+    /// At least, meters and radians.
+    pub least: [f64; 2],
+}
+
+/// A motion in the frame of the pose that it begins at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// The later base in the earlier.
+    pub before_from_after: Pose2,
+    /// Covariance of x, y, yaw in the earlier base's axes.
+    pub covariance: Matrix3<f64>,
+}
+
+/// Beyond this a velocity says nothing, seconds.
+const VELOCITY_HOLDS_S: f64 = 1.0;
+/// Rates that are kept, for scans that come late.
+const MOST_RATES: usize = 4096;
+/// A gyroscope that was silent for longer does not know the turn, seconds.
+const GYRO_GAP_S: f64 = 0.25;
+
+/// Follows odometer and gyroscope, and the velocity of the matches.
+#[derive(Debug)]
+pub struct Motion {
+    rule: PredictionRule,
+    errors: MotionErrors,
+    odometry: OdometryTrack,
+    rates_rad_s: VecDeque<(Time, f64)>,
+    last: Option<(Time, Pose2)>,
+    velocity: Twist,
+}
+
+impl Motion {
+    /// Nothing is known yet.
+    pub fn new(rule: PredictionRule, errors: MotionErrors) -> Motion {
+        Motion {
+            rule,
+            errors,
+            odometry: OdometryTrack::new(),
+            rates_rad_s: VecDeque::new(),
+            last: None,
+            velocity: Twist::ZERO,
+        }
+    }
+
+    /// Follows the sensors.
+    pub fn take(&mut self, seen: Seen<'_>) {
+        for observation in seen.iter().filter(|observation| observation.valid) {
+            match &observation.data {
+                Data::Odometry(odometry) => self.odometry.push(observation.stamp, odometry),
+                Data::Imu(imu) => {
+                    let rates = Vector3::from(imu.rates_rad_s);
+                    let about_up = (observation.base_from_sensor.rotation * rates).z;
+                    let is_newer =
+                        self.rates_rad_s.back().is_none_or(|(stamp, _)| *stamp < observation.stamp);
+                    if is_newer && about_up.is_finite() {
+                        self.rates_rad_s.push_back((observation.stamp, about_up));
+                    }
+                    if self.rates_rad_s.len() > MOST_RATES {
+                        self.rates_rad_s.pop_front();
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The odometer's reading at a time; the identity without an odometer.
+    pub fn odom_from_base(&self, stamp: Time) -> Pose2 {
+        if self.odometry.stamp().is_some() { self.odometry.at(stamp) } else { Pose2::identity() }
+    }
+
+    /// The robot is here, and how it got here is nobody's business: no velocity follows from it.
+    pub fn begin(&mut self, stamp: Time, map_from_base: &Pose2) {
+        self.last = Some((stamp, *map_from_base));
+        self.velocity = Twist::ZERO;
+    }
+
+    /// The robot is here, by a match or by the prediction itself.
+    pub fn arrived(&mut self, stamp: Time, map_from_base: &Pose2, is_matched: bool) {
+        if let Some((before, map_from_before)) = self.last.filter(|_| is_matched) {
+            let seconds = (stamp - before).as_secs();
+            let way = map_from_before.inverse() * map_from_base;
+            if seconds > 0.0 && seconds <= VELOCITY_HOLDS_S {
+                let turn = way.rotation.angle();
+                // The chord of an arc points along its middle.
+                let along = pose2(0.0, 0.0, -0.5 * turn) * way.translation.vector / seconds;
+                let velocity = Twist { forward_m_s: along.x, left_m_s: along.y, turn_rad_s: turn / seconds };
+                self.velocity = velocity;
+            } else {
+                self.velocity = Twist::ZERO;
+            }
+        }
+        self.last = Some((stamp, *map_from_base));
+    }
+
+    /// How the robot moved from the last scan to this time.
+    pub fn predict(&self, stamp: Time) -> Step {
+        let Some((before, _)) = self.last else {
+            return Step { before_from_after: Pose2::identity(), covariance: Matrix3::identity() * 1e-6 };
+        };
+        let seconds = (stamp - before).as_secs().max(0.0);
+        let has_odometry = self.rule == PredictionRule::Odometry && self.odometry.stamp().is_some();
+        let mut step = if has_odometry { self.by_odometry(before, stamp) } else { self.by_velocity(seconds) };
+        let turned = (self.rule == PredictionRule::Odometry).then(|| self.turned(before, stamp)).flatten();
+        if let Some(turn) = turned {
+            let way = step.before_from_after.translation;
+            step.before_from_after = pose2(way.x, way.y, turn);
+            let deviation = self.errors.gyro_rad_s * seconds + self.errors.turn_share * 0.1 * turn.abs();
+            step.covariance[(2, 2)] = deviation.powi(2) + self.errors.least[1].powi(2);
+        }
+        step
+    }
+
+    fn by_odometry(&self, before: Time, stamp: Time) -> Step {
+        let before_from_after = self.odometry.at(before).inverse() * self.odometry.at(stamp);
+        let way = before_from_after.translation.vector.norm();
+        let turn = before_from_after.rotation.angle().abs();
+        let e = &self.errors;
+        let across = 0.5 * way * (e.turn_rad_m * way + e.turn_share * turn);
+        let deviations = Vector3::new(
+            e.way_share * way,
+            e.way_share * way * 0.5 + across,
+            e.turn_share * turn + e.turn_rad_m * way,
+        );
+        Step { before_from_after, covariance: self.with_least(deviations) }
+    }
+
+    fn by_velocity(&self, seconds: f64) -> Step {
+        let held_s = seconds.min(VELOCITY_HOLDS_S);
+        let before_from_after = match self.rule {
+            PredictionRule::LastPose => Pose2::identity(),
+            _ => self.velocity.integrate(held_s),
+        };
+        let e = &self.errors;
+        let speed_change = e.acceleration_m_s2 * seconds;
+        let turn_change = e.turn_acceleration_rad_s2 * seconds;
+        let way = speed_change * seconds;
+        let deviations = Vector3::new(way, way, turn_change * seconds);
+        Step { before_from_after, covariance: self.with_least(deviations) }
+    }
+
+    fn with_least(&self, deviations: Vector3<f64>) -> Matrix3<f64> {
+        let [way, turn] = self.errors.least;
+        let least = Vector3::new(way, way, turn);
+        Matrix3::from_diagonal(&(deviations.component_mul(&deviations) + least.component_mul(&least)))
+    }
+
+    /// The gyroscope's turn, where it spoke all the time.
+    fn turned(&self, before: Time, stamp: Time) -> Option<f64> {
+        let first = self.rates_rad_s.partition_point(|(t, _)| *t <= before).saturating_sub(1);
+        let (mut at, mut rate) = *self.rates_rad_s.get(first)?;
+        if (before - at).as_secs().abs() > GYRO_GAP_S {
+            return None;
+        }
+        at = at.max(before);
+        let mut turn = 0.0;
+        for (next, next_rate) in self.rates_rad_s.range(first + 1..) {
+            let until = (*next).min(stamp);
+            let seconds = (until - at).as_secs();
+            if (*next - at).as_secs() > GYRO_GAP_S {
+                return None;
+            }
+            turn += 0.5 * (rate + next_rate) * seconds.max(0.0);
+            (at, rate) = (until, *next_rate);
+            if *next >= stamp {
+                return Some(wrap_angle(turn));
+            }
+        }
+        let rest_s = (stamp - at).as_secs();
+        (rest_s <= GYRO_GAP_S).then(|| wrap_angle(turn + rate * rest_s.max(0.0)))
+    }
+}
