@@ -18,9 +18,7 @@ use world::{LoopWorld, lane, laser, stream};
 const FAST: Course = Course { speed_m_s: 1.38, rate_hz: 10.0, has_gyro: false, seed: 1 };
 
 fn with_levels(levels: u32) -> ScanMatchSlamParams {
-    // The specification's weight of the prior, which here is the velocity of a simulated robot. With the default, made for
-    // odometers of real logs, the fast drive is off by up to 0.15 m.
-    ScanMatchSlamParams { levels, residual_variance: 0.15, ..ScanMatchSlamParams::default() }
+    ScanMatchSlamParams { levels, ..ScanMatchSlamParams::default() }
 }
 
 fn within(outcome: &Outcome, most_m: f64, most_deg: f64) {

@@ -5,6 +5,7 @@
 //! `rumbo_kit::correlative`.
 
 mod insertion;
+mod locating;
 mod motion;
 mod params;
 mod place_search;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Twist, pose2, wrap_angle};
-use rumbo_core::messages::{Data, Seen};
+use rumbo_core::messages::{Data, Odometry, Seen};
 use rumbo_core::odometry_track::OdometryTrack;
 use rumbo_core::time::Time;
 use std::collections::VecDeque;
@@ -45,10 +45,33 @@ pub struct Step {
     pub before_from_after: Pose2,
     /// Covariance of x, y, yaw in the earlier base's axes.
     pub covariance: Matrix3<f64>,
+    /// An odometer said so.
+    pub is_by_odometer: bool,
+}
+
+/// What a later run needs to go on in the same motion.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MotionState {
+    /// The odometer's readings since the last scan, and the one before it.
+    pub odometry: Vec<(Time, Pose2)>,
+    /// The gyroscope's of the last moments.
+    pub rates_rad_s: Vec<(Time, f64)>,
+    /// The last scan's pose.
+    pub last: Option<(Time, Pose2)>,
+    /// The last match's stamp.
+    pub matched: Option<Time>,
+    /// Of the last matches.
+    pub velocity: Twist,
 }
 
 /// Beyond this a velocity says nothing, seconds.
 const VELOCITY_HOLDS_S: f64 = 1.0;
+/// After a pause that is longer an odometer may have begun anew, seconds, ...
+const ODOMETER_PAUSE_S: f64 = 1.0;
+/// ... and surely has where it would have been faster than this, m/s.
+const FASTEST_M_S: f64 = 10.0;
+/// Readings of the odometer that are kept between two scans.
+const MOST_READINGS: usize = 400;
 /// Rates that are kept, for scans that come late.
 const MOST_RATES: usize = 4096;
 /// A gyroscope that was silent for longer does not know the turn, seconds.
@@ -60,8 +83,12 @@ pub struct Motion {
     rule: PredictionRule,
     errors: MotionErrors,
     odometry: OdometryTrack,
+    /// Those of its readings that a later run needs.
+    recent: VecDeque<(Time, Pose2)>,
+    is_resumed: bool,
     rates_rad_s: VecDeque<(Time, f64)>,
     last: Option<(Time, Pose2)>,
+    matched: Option<Time>,
     velocity: Twist,
 }
 
@@ -72,9 +99,37 @@ impl Motion {
             rule,
             errors,
             odometry: OdometryTrack::new(),
+            recent: VecDeque::new(),
+            is_resumed: false,
             rates_rad_s: VecDeque::new(),
             last: None,
+            matched: None,
             velocity: Twist::ZERO,
+        }
+    }
+
+    /// Goes on from what was saved.
+    pub fn resumed(rule: PredictionRule, errors: MotionErrors, state: &MotionState) -> Motion {
+        let mut motion = Motion::new(rule, errors);
+        for (stamp, odom_from_base) in &state.odometry {
+            motion.read_odometer(*stamp, &Odometry { odom_from_base: *odom_from_base, ..Odometry::default() });
+        }
+        motion.rates_rad_s.extend(&state.rates_rad_s);
+        (motion.last, motion.matched, motion.velocity) = (state.last, state.matched, state.velocity);
+        motion.is_resumed = true;
+        motion
+    }
+
+    /// What a later run needs.
+    pub fn state(&self) -> MotionState {
+        let since = self.last.map(|(stamp, _)| stamp);
+        let first = since.map_or(0, |since| self.rates_rad_s.partition_point(|(t, _)| *t <= since));
+        MotionState {
+            odometry: self.recent.iter().copied().collect(),
+            rates_rad_s: self.rates_rad_s.range(first.saturating_sub(1)..).copied().collect(),
+            last: self.last,
+            matched: self.matched,
+            velocity: self.velocity,
         }
     }
 
@@ -82,7 +137,7 @@ impl Motion {
     pub fn take(&mut self, seen: Seen<'_>) {
         for observation in seen.iter().filter(|observation| observation.valid) {
             match &observation.data {
-                Data::Odometry(odometry) => self.odometry.push(observation.stamp, odometry),
+                Data::Odometry(odometry) => self.read_odometer(observation.stamp, odometry),
                 Data::Imu(imu) => {
                     let rates = Vector3::from(imu.rates_rad_s);
                     let about_up = (observation.base_from_sensor.rotation * rates).z;
@@ -100,6 +155,25 @@ impl Motion {
         }
     }
 
+    fn read_odometer(&mut self, stamp: Time, odometry: &Odometry) {
+        let newest = self.recent.back().copied();
+        if let Some((before, odom_from_before)) = newest.filter(|_| self.is_resumed) {
+            self.is_resumed = false;
+            let seconds = (stamp - before).as_secs();
+            let way_m = (odom_from_before.inverse() * odometry.odom_from_base).translation.vector.norm();
+            if !(0.0..=ODOMETER_PAUSE_S).contains(&seconds) || way_m > FASTEST_M_S * seconds {
+                self.odometry = OdometryTrack::new();
+                self.recent.clear();
+            }
+        }
+        self.odometry.push(stamp, odometry);
+        let at = self.recent.partition_point(|(t, _)| *t <= stamp);
+        self.recent.insert(at, (stamp, odometry.odom_from_base));
+        if self.recent.len() > MOST_READINGS {
+            self.recent.pop_front();
+        }
+    }
+
     /// The odometer's reading at a time; the identity without an odometer.
     pub fn odom_from_base(&self, stamp: Time) -> Pose2 {
         if self.odometry.stamp().is_some() { self.odometry.at(stamp) } else { Pose2::identity() }
@@ -108,35 +182,44 @@ impl Motion {
     /// The robot is here, and how it got here is nobody's business: no velocity follows from it.
     pub fn begin(&mut self, stamp: Time, map_from_base: &Pose2) {
         self.last = Some((stamp, *map_from_base));
+        self.matched = None;
         self.velocity = Twist::ZERO;
     }
 
-    /// The robot is here, by a match or by the prediction itself.
+    /// The robot is here, by a match or by the prediction itself. Only the way between two matches is a velocity: what a
+    /// match corrects after a gap was no motion.
     pub fn arrived(&mut self, stamp: Time, map_from_base: &Pose2, is_matched: bool) {
-        if let Some((before, map_from_before)) = self.last.filter(|_| is_matched) {
+        let before = self.last.filter(|(before, _)| is_matched && self.matched == Some(*before));
+        if let Some((before, map_from_before)) = before {
             let seconds = (stamp - before).as_secs();
             let way = map_from_before.inverse() * map_from_base;
-            if seconds > 0.0 && seconds <= VELOCITY_HOLDS_S {
+            self.velocity = if seconds > 0.0 && seconds <= VELOCITY_HOLDS_S {
                 let turn = way.rotation.angle();
                 // The chord of an arc points along its middle.
                 let along = pose2(0.0, 0.0, -0.5 * turn) * way.translation.vector / seconds;
-                let velocity = Twist { forward_m_s: along.x, left_m_s: along.y, turn_rad_s: turn / seconds };
-                self.velocity = velocity;
+                Twist { forward_m_s: along.x, left_m_s: along.y, turn_rad_s: turn / seconds }
             } else {
-                self.velocity = Twist::ZERO;
-            }
+                Twist::ZERO
+            };
+        }
+        if is_matched {
+            self.matched = Some(stamp);
         }
         self.last = Some((stamp, *map_from_base));
+        while self.recent.get(1).is_some_and(|(next, _)| *next <= stamp) {
+            self.recent.pop_front();
+        }
     }
 
     /// How the robot moved from the last scan to this time.
     pub fn predict(&self, stamp: Time) -> Step {
         let Some((before, _)) = self.last else {
-            return Step { before_from_after: Pose2::identity(), covariance: Matrix3::identity() * 1e-6 };
+            let covariance = Matrix3::identity() * 1e-6;
+            return Step { before_from_after: Pose2::identity(), covariance, is_by_odometer: false };
         };
         let seconds = (stamp - before).as_secs().max(0.0);
         let has_odometry = self.rule == PredictionRule::Odometry && self.odometry.stamp().is_some();
-        let mut step = if has_odometry { self.by_odometry(before, stamp) } else { self.by_velocity(seconds) };
+        let mut step = if has_odometry { self.by_odometry(before, stamp) } else { self.by_velocity(before, seconds) };
         let turned = (self.rule == PredictionRule::Odometry).then(|| self.turned(before, stamp)).flatten();
         if let Some(turn) = turned {
             let way = step.before_from_after.translation;
@@ -158,11 +241,12 @@ impl Motion {
             e.way_share * way * 0.5 + across,
             e.turn_share * turn + e.turn_rad_m * way,
         );
-        Step { before_from_after, covariance: self.with_least(deviations) }
+        Step { before_from_after, covariance: self.with_least(deviations), is_by_odometer: true }
     }
 
-    fn by_velocity(&self, seconds: f64) -> Step {
-        let held_s = seconds.min(VELOCITY_HOLDS_S);
+    fn by_velocity(&self, before: Time, seconds: f64) -> Step {
+        let age_s = self.matched.map_or(0.0, |matched| (before - matched).as_secs());
+        let held_s = seconds.min((VELOCITY_HOLDS_S - age_s).max(0.0));
         let before_from_after = match self.rule {
             PredictionRule::LastPose => Pose2::identity(),
             _ => self.velocity.integrate(held_s),
@@ -172,7 +256,7 @@ impl Motion {
         let turn_change = e.turn_acceleration_rad_s2 * seconds;
         let way = speed_change * seconds;
         let deviations = Vector3::new(way, way, turn_change * seconds);
-        Step { before_from_after, covariance: self.with_least(deviations) }
+        Step { before_from_after, covariance: self.with_least(deviations), is_by_odometer: false }
     }
 
     fn with_least(&self, deviations: Vector3<f64>) -> Matrix3<f64> {

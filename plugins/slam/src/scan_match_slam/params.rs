@@ -56,9 +56,11 @@ pub struct ScanMatchSlamParams {
     pub prediction: Prediction,
     /// The match also minds where it began, by the errors below.
     pub use_prior: bool,
-    /// Variance of one point's misfit (0 to 1) against the prior: larger trusts the odometer more. Far below the variance
-    /// of misfits that is measured (0.15): with that, odometers of real logs pull the map apart.
+    /// Variance of one point's misfit (0 to 1) against the prior: larger trusts the prediction more.
     pub residual_variance: f64,
+    /// In the match an odometer's errors count this many times larger than below: they are alike from scan to scan, and
+    /// taken at their word they pull the map apart; 1 trusts it fully.
+    pub odometer_doubt: f64,
     /// Error of the odometer's way, meters a meter.
     pub odometer_way: f64,
     /// Error of its turn, radians a radian.
@@ -88,13 +90,13 @@ pub struct ScanMatchSlamParams {
     pub max_correction_m: f64,
     /// The same for the turn, degrees.
     pub max_correction_deg: f64,
-    /// A match with a larger mean misfit (0 to 1) is refused.
+    /// A match with a larger mean misfit (0 to 1) of the points on cells that some scan has touched is refused.
     pub max_mean_cost: f64,
     /// So far the robot may go without a match and still extend the map where it ends, meters.
     pub explore_grace_m: f64,
     /// After so many scans without a match the robot is lost, and looks for itself on the whole map.
     pub lost_after_scans: u32,
-    /// A lost robot looks at every nth scan.
+    /// A lost robot looks at every nth scan; each look that finds nothing doubles that, up to 32 times.
     pub look_every_scans: u32,
     /// Where a match fails, the place that fits best is looked for so far around, meters, ...
     pub near_reach_m: f64,
@@ -142,7 +144,8 @@ impl Default for ScanMatchSlamParams {
             half_weight_noise_m: 0.0,
             prediction: Prediction::Odometry,
             use_prior: true,
-            residual_variance: 0.003,
+            residual_variance: 0.15,
+            odometer_doubt: 7.0,
             odometer_way: 0.1,
             odometer_turn: 0.1,
             odometer_turn_deg_m: 1.0,
@@ -157,7 +160,7 @@ impl Default for ScanMatchSlamParams {
             min_known: 0.1,
             max_correction_m: 0.5,
             max_correction_deg: 20.0,
-            max_mean_cost: 0.7,
+            max_mean_cost: 0.3,
             explore_grace_m: 2.0,
             lost_after_scans: 20,
             look_every_scans: 5,
@@ -205,7 +208,9 @@ impl Params for ScanMatchSlamParams {
             expect(value >= 1, key, &value, "1 or more");
         }
         expect(self.min_points >= 4, "min_points", &self.min_points, "4 or more: a pose has three numbers");
-        expect(self.highest_m.is_finite(), "highest_m", &self.highest_m, "a finite number");
+        for (key, value) in [("lowest_m", self.lowest_m), ("highest_m", self.highest_m)] {
+            expect(value.is_finite(), key, &value, "a finite number");
+        }
         let is_band = self.lowest_m < self.highest_m;
         expect(is_band, "lowest_m", &self.lowest_m, "less than highest_m");
         expect(
@@ -231,11 +236,12 @@ impl Params for ScanMatchSlamParams {
 }
 
 impl ScanMatchSlamParams {
-    fn above_zero(&self) -> [(&'static str, f64); 5] {
+    fn above_zero(&self) -> [(&'static str, f64); 6] {
         [
             ("resolution_m", self.resolution_m),
             ("max_range_m", self.max_range_m),
             ("residual_variance", self.residual_variance),
+            ("odometer_doubt", self.odometer_doubt),
             ("max_correction_m", self.max_correction_m),
             ("max_correction_deg", self.max_correction_deg),
         ]

@@ -100,6 +100,7 @@ impl Slam for ScanMatchSlam {
         for (observation, scan) in seen.laser_scans().filter(|(observation, _)| observation.valid) {
             self.tracker.take(observation, scan, map).map_err(grid_error)?;
         }
+        self.tracker.keep(map);
         if cx.trace.is_counting() {
             self.show(cx.trace);
         }

@@ -1,32 +1,46 @@
 //! The whole state as bytes, and back.
 
+use super::motion::{Motion, MotionState};
+use super::settings::TrackerSettings;
 use super::tracker::{ScanTracker, Tracked};
 use nalgebra::Matrix3;
 use rumbo_core::boundary::Buffer;
-use rumbo_core::frames::{Pose2, pose2};
+use rumbo_core::frames::{Pose2, Twist, pose2};
 use rumbo_core::map::{Grid, GridHeader, Map};
+use rumbo_core::messages::SensorId;
 use rumbo_core::time::Time;
-use rumbo_kit::seal::{Broken, Reader, Seal};
+use rumbo_kit::occupancy::UpdateGate;
+use rumbo_core::seal::{Broken, Reader, Seal};
 
-const SEAL: Seal = Seal { magic: *b"RUMBOSMS", version: 1 };
+const SEAL: Seal = Seal { magic: *b"RUMBOSMS", version: 2 };
 
-/// Everything that a later run needs; none before the first scan.
+/// Everything that the next scan depends on; none before the first scan.
 pub fn save(tracker: &ScanTracker) -> Option<Vec<u8>> {
     let (state, map) = (tracker.state?, &tracker.kept);
     let mut bytes = SEAL.begin(64 + 4 * map.grid.as_ref().map_or(0, |grid| grid.cells.len()) * 3 / 2);
-    bytes.extend(state.stamp.0.to_le_bytes());
-    put_pose(&mut bytes, &state.map_from_base);
-    put(&mut bytes, state.covariance.as_slice());
-    bytes.extend((tracker.trajectory.len() as u32).to_le_bytes());
-    for (stamp, pose) in &tracker.trajectory {
-        bytes.extend(stamp.0.to_le_bytes());
-        put_pose(&mut bytes, pose);
-    }
+    let to = &mut bytes;
+    put_stamp(to, state.stamp);
+    put_pose(to, &state.map_from_base);
+    put(to, state.covariance.as_slice());
+    put(to, tracker.drift.as_slice());
+    put(to, &[tracker.way_without_match_m, tracker.blind_deviation_m]);
+    put_count(to, tracker.n_without_match);
+    put_count(to, u32::from(tracker.is_by_odometer));
+    put_count(to, u32::from(tracker.is_blank));
+    put_some(to, tracker.pending.as_ref(), |to, (pose, covariance)| {
+        put_pose(to, pose);
+        put(to, covariance.as_slice());
+    });
+    put_motion(to, &tracker.motion.state());
+    let gates: Vec<(SensorId, Pose2)> =
+        tracker.gates.iter().filter_map(|(sensor, gate)| Some((*sensor, gate.last()?))).collect();
+    put_all(to, &gates, |to, (sensor, pose)| {
+        put_count(to, sensor.0.into());
+        put_pose(to, pose);
+    });
+    put_all(to, &tracker.trajectory, put_stamped);
     let grids: Vec<&Grid> = map.grid.iter().chain(&map.coarse_grids).collect();
-    bytes.extend((grids.len() as u32).to_le_bytes());
-    for grid in grids {
-        put_grid(&mut bytes, grid);
-    }
+    put_all(to, &grids, |to, grid| put_grid(to, grid));
     Some(Seal::close(bytes))
 }
 
@@ -36,35 +50,110 @@ pub fn save(tracker: &ScanTracker) -> Option<Vec<u8>> {
 /// What is wrong with the bytes; nothing was changed then.
 pub fn restore(tracker: &mut ScanTracker, bytes: &[u8], map: &mut Map) -> Result<(), Broken> {
     let mut rest = SEAL.open(bytes)?;
-    let (state, trajectory, mut grids) =
-        read(&mut rest).filter(|_| rest.is_empty()).ok_or(Broken::Damaged)?;
-    if grids.is_empty() {
-        return Err(Broken::Damaged);
-    }
-    let mut fresh = ScanTracker::new(tracker.settings);
-    fresh.pending = Some((state.map_from_base, state.covariance));
-    fresh.trajectory = trajectory;
-    fresh.state = Some(state);
-    fresh.is_blank = false;
-    let coarse = grids.split_off(1);
-    let restored = Map { grid: grids.pop(), coarse_grids: coarse, ..Map::default() };
-    if !tracker.settings.mapper.pyramid.fits(&restored) {
-        return Err(Broken::Damaged);
-    }
-    // Cells of their own: what is kept is written again at every insertion.
-    (map.grid, map.coarse_grids) =
-        (restored.grid.as_ref().map(unshared), restored.coarse_grids.iter().map(unshared).collect());
-    fresh.kept = restored;
+    let restored = read(&mut rest, tracker.settings).filter(|_| rest.is_empty());
+    let fresh = restored.ok_or(Broken::Damaged)?;
+    (map.grid, map.coarse_grids) = (fresh.kept.grid.clone(), fresh.kept.coarse_grids.clone());
     map.touch();
     *tracker = fresh;
     Ok(())
 }
 
-/// A copy that shares no cells.
-fn unshared(grid: &Grid) -> Grid {
-    let mut copy = grid.clone();
-    copy.cells.make_mut();
-    copy
+fn read(from: &mut Reader<'_>, settings: TrackerSettings) -> Option<ScanTracker> {
+    let mut tracker = ScanTracker::new(settings);
+    let state = Tracked { stamp: Time(from.i64()?), map_from_base: pose(from)?, covariance: matrix(from)? };
+    tracker.state = Some(state);
+    tracker.newest = Some(state.stamp);
+    tracker.is_resumed = true;
+    tracker.drift = matrix(from)?;
+    tracker.way_without_match_m = number(from)?;
+    tracker.blind_deviation_m = number(from)?;
+    tracker.n_without_match = from.u32()?;
+    tracker.is_by_odometer = from.u32()? != 0;
+    tracker.is_blank = from.u32()? != 0;
+    tracker.pending = some(from, |from| Some((pose(from)?, matrix(from)?)))?;
+    tracker.motion = Motion::resumed(settings.prediction, settings.errors, &motion(from)?);
+    let [way_m, turn_rad] = settings.insert_every;
+    tracker.gates = all(from, |from| {
+        let sensor = SensorId(u16::try_from(from.u32()?).ok()?);
+        let mut gate = UpdateGate::new(way_m, turn_rad);
+        gate.close(&pose(from)?);
+        Some((sensor, gate))
+    })?;
+    tracker.trajectory = all(from, |from| Some((Time(from.i64()?), pose(from)?)))?;
+    let mut grids = all(from, grid)?;
+    if grids.is_empty() {
+        return None;
+    }
+    let coarse = grids.split_off(1);
+    tracker.kept = Map { grid: grids.pop(), coarse_grids: coarse, ..Map::default() };
+    settings.mapper.pyramid.fits(&tracker.kept).then_some(tracker)
+}
+
+fn put_motion(to: &mut Vec<u8>, motion: &MotionState) {
+    put_all(to, &motion.odometry, put_stamped);
+    put_all(to, &motion.rates_rad_s, |to, (stamp, rate)| {
+        put_stamp(to, *stamp);
+        put(to, &[*rate]);
+    });
+    put_some(to, motion.last.as_ref(), put_stamped);
+    put_some(to, motion.matched.as_ref(), |to, stamp| put_stamp(to, *stamp));
+    put(to, &[motion.velocity.forward_m_s, motion.velocity.left_m_s, motion.velocity.turn_rad_s]);
+}
+
+fn motion(from: &mut Reader<'_>) -> Option<MotionState> {
+    Some(MotionState {
+        odometry: all(from, |from| Some((Time(from.i64()?), pose(from)?)))?,
+        rates_rad_s: all(from, |from| Some((Time(from.i64()?), number(from)?)))?,
+        last: some(from, |from| Some((Time(from.i64()?), pose(from)?)))?,
+        matched: some(from, |from| from.i64().map(Time))?,
+        velocity: Twist { forward_m_s: number(from)?, left_m_s: number(from)?, turn_rad_s: number(from)? },
+    })
+}
+
+fn put_stamp(to: &mut Vec<u8>, stamp: Time) {
+    to.extend(stamp.0.to_le_bytes());
+}
+
+fn put_count(to: &mut Vec<u8>, count: u32) {
+    to.extend(count.to_le_bytes());
+}
+
+fn put_stamped(to: &mut Vec<u8>, (stamp, pose): &(Time, Pose2)) {
+    put_stamp(to, *stamp);
+    put_pose(to, pose);
+}
+
+fn put_some<T>(to: &mut Vec<u8>, value: Option<&T>, put: impl Fn(&mut Vec<u8>, &T)) {
+    put_count(to, u32::from(value.is_some()));
+    if let Some(value) = value {
+        put(to, value);
+    }
+}
+
+fn put_all<T>(to: &mut Vec<u8>, values: &[T], put: impl Fn(&mut Vec<u8>, &T)) {
+    put_count(to, values.len() as u32);
+    values.iter().for_each(|value| put(to, value));
+}
+
+fn some<'b, T>(from: &mut Reader<'b>, read: impl Fn(&mut Reader<'b>) -> Option<T>) -> Option<Option<T>> {
+    if from.u32()? == 0 { Some(None) } else { read(from).map(Some) }
+}
+
+fn all<'b, T>(from: &mut Reader<'b>, read: impl Fn(&mut Reader<'b>) -> Option<T>) -> Option<Vec<T>> {
+    let n = from.u32()?;
+    (0..n).map(|_| read(from)).collect()
+}
+
+fn number(from: &mut Reader<'_>) -> Option<f64> {
+    from.f64().filter(|number| number.is_finite())
+}
+
+fn matrix(from: &mut Reader<'_>) -> Option<Matrix3<f64>> {
+    let mut matrix = Matrix3::zeros();
+    for value in matrix.iter_mut() {
+        *value = number(from)?;
+    }
+    Some(matrix)
 }
 
 fn put(bytes: &mut Vec<u8>, numbers: &[f64]) {
@@ -82,28 +171,6 @@ fn put_grid(bytes: &mut Vec<u8>, grid: &Grid) {
     put(bytes, &[header.resolution_m, header.occupied_above.into(), header.free_below.into()]);
     put(bytes, &header.origin);
     bytes.extend(grid.cells.iter().flat_map(|cell| cell.to_le_bytes()));
-}
-
-type Parts = (Tracked, Vec<(Time, Pose2)>, Vec<Grid>);
-
-fn read(rest: &mut Reader<'_>) -> Option<Parts> {
-    let stamp = Time(rest.i64()?);
-    let map_from_base = pose(rest)?;
-    let mut covariance = Matrix3::zeros();
-    for value in covariance.iter_mut() {
-        *value = rest.f64().filter(|v| v.is_finite())?;
-    }
-    let n_poses = rest.u32()?;
-    let mut trajectory = Vec::new();
-    for _ in 0..n_poses {
-        trajectory.push((Time(rest.i64()?), pose(rest)?));
-    }
-    let n_grids = rest.u32()?;
-    let mut grids = Vec::new();
-    for _ in 0..n_grids {
-        grids.push(grid(rest)?);
-    }
-    Some((Tracked { stamp, map_from_base, covariance }, trajectory, grids))
 }
 
 fn pose(rest: &mut Reader<'_>) -> Option<Pose2> {

@@ -29,6 +29,10 @@ pub struct TrackerSettings {
     pub errors: MotionErrors,
     /// Variance of one point's misfit, against the prior; none matches without a prior.
     pub residual_variance: Option<f64>,
+    /// An odometer's errors count so many times larger in the match than in the prediction.
+    pub odometer_doubt: f64,
+    /// A match with a larger mean misfit on what the map knows is refused.
+    pub max_known_cost: f64,
     /// The robot may go so far without a match and still extend the map, meters.
     pub explore_grace_m: f64,
     /// After so many scans without a match the robot is lost.
@@ -94,7 +98,8 @@ impl ScanMatchSlamParams {
                 min_known: self.min_known,
                 max_correction_m: self.max_correction_m,
                 max_correction_rad: self.max_correction_deg.to_radians(),
-                max_mean_cost: self.max_mean_cost,
+                // Judged on what the map knows alone, by `max_known_cost`.
+                max_mean_cost: 1.0,
                 ..MatchGate::default()
             },
             mapper: self.mapper(evidence),
@@ -107,6 +112,8 @@ impl ScanMatchSlamParams {
             },
             errors: self.motion_errors(),
             residual_variance: self.use_prior.then_some(self.residual_variance),
+            odometer_doubt: self.odometer_doubt,
+            max_known_cost: self.max_mean_cost,
             explore_grace_m: self.explore_grace_m,
             lost_after_scans: self.lost_after_scans,
             places: PlaceSearchSettings {

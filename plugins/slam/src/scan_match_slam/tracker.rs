@@ -1,15 +1,17 @@
 //! Predict, match, judge, insert: one scan after another.
 
 use super::motion::{Motion, Step};
+use super::insertion::lay;
+use super::locating::{Located, Look};
 use super::place_search::PlaceSearch;
 use super::settings::{Counters, TrackerSettings};
-use nalgebra::{Matrix3, Rotation2};
-use rumbo_core::frames::{Point2, Pose2};
+use nalgebra::{Matrix3, Rotation2, Vector3};
+use rumbo_core::frames::Pose2;
 use rumbo_core::map::{GridFault, Map};
 use rumbo_core::messages::{LaserScan, Observation, Seen, SensorId};
 use rumbo_core::time::Time;
 use rumbo_kit::occupancy::{ScanMapper, UpdateGate};
-use rumbo_kit::scan_match::{MatchStatus, PosePrior, ScanMatch, ScanPoints, levels_of, match_scan};
+use rumbo_kit::scan_match::{MatchStatus, Observability, ScanPoints};
 
 /// Where the robot is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,18 +34,28 @@ pub struct ScanTracker {
     pub(super) state: Option<Tracked>,
     /// The robot before its first scan, or where somebody said it is.
     pub(super) pending: Option<(Pose2, Matrix3<f64>)>,
-    /// Covariance of the motion since the last match.
+    /// Stamps up to this are not newer; none where another clock may have begun.
+    pub(super) newest: Option<Time>,
+    /// It goes on from what was saved, by the same clock or another.
+    pub(super) is_resumed: bool,
+    /// Covariance of the motion since the last match, and of what that match did not see.
     pub(super) drift: Matrix3<f64>,
+    /// The odometer is part of the drift.
+    pub(super) is_by_odometer: bool,
     pub(super) way_without_match_m: f64,
+    /// How well the prior knew what the last match did not see, meters.
+    pub(super) blind_deviation_m: f64,
     pub(super) n_without_match: u32,
     pub(super) is_blank: bool,
     pub(super) status: MatchStatus,
     pub(super) counters: Counters,
     pub(super) trajectory: Vec<(Time, Pose2)>,
-    /// The levels once more: what a save needs, which does not see the map, and must not share its cells.
+    /// The levels as they are after an update: what a save needs, which does not see the map. Shares its cells, and is
+    /// let go of before they are written.
     pub(super) kept: Map,
-    points: ScanPoints,
-    places: PlaceSearch,
+    pub(super) look: Look,
+    pub(super) points: ScanPoints,
+    pub(super) places: PlaceSearch,
 }
 
 impl ScanTracker {
@@ -56,14 +68,19 @@ impl ScanTracker {
             gates: Vec::new(),
             state: None,
             pending: None,
+            newest: None,
+            is_resumed: false,
             drift: Matrix3::zeros(),
+            is_by_odometer: false,
             way_without_match_m: 0.0,
+            blind_deviation_m: 0.0,
             n_without_match: 0,
             is_blank: true,
             status: MatchStatus::Ok,
             counters: Counters::default(),
             trajectory: Vec::new(),
             kept: Map::default(),
+            look: Look::default(),
             points: ScanPoints::default(),
             places: PlaceSearch::new(settings.places),
         }
@@ -78,22 +95,23 @@ impl ScanTracker {
     ) -> Result<(), GridFault> {
         *self = ScanTracker::new(self.settings);
         self.pending = Some((map_from_base, covariance));
-        let around = Point2::from(map_from_base.translation.vector);
-        self.lay(around, map)?;
+        lay(&self.settings, &map_from_base, map)?;
         map.touch();
         Ok(())
     }
 
-    fn lay(&mut self, around: Point2, map: &mut Map) -> Result<(), GridFault> {
-        let TrackerSettings { size_cells, mapper, .. } = self.settings;
-        mapper.pyramid.lay(map, size_cells, around, [0.5, 0.5])?;
-        mapper.pyramid.lay(&mut self.kept, size_cells, around, [0.5, 0.5])
-    }
-
-    /// Somebody says where the robot is; the next match begins there.
+    /// Somebody says where the robot is, and the next match begins there; or that nobody knows. What clock and odometer
+    /// said before says nothing any more.
     pub fn relocate(&mut self, place: Option<(Pose2, Matrix3<f64>)>) {
         self.n_without_match = if place.is_some() { 0 } else { self.settings.lost_after_scans.max(1) };
+        self.look = Look { is_anywhere: place.is_none(), ..Look::default() };
         self.pending = place;
+        self.forget_clock();
+    }
+
+    fn forget_clock(&mut self) {
+        self.newest = None;
+        self.motion = Motion::new(self.settings.prediction, self.settings.errors);
     }
 
     /// Follows the sensors that say how the robot moves.
@@ -109,7 +127,11 @@ impl ScanTracker {
         map: &mut Map,
     ) -> Result<bool, GridFault> {
         self.counters.received += 1;
-        if self.state.is_some_and(|state| observation.stamp <= state.stamp) {
+        let is_newer = self.newest.is_none_or(|newest| observation.stamp > newest);
+        if std::mem::take(&mut self.is_resumed) && !is_newer {
+            // Saved by another clock: nothing is known of the time between.
+            self.forget_clock();
+        } else if !is_newer {
             self.counters.not_newer += 1;
             return Ok(false);
         }
@@ -118,10 +140,15 @@ impl ScanTracker {
         if self.is_blank {
             return self.first(observation, scan, predicted, map);
         }
-        let found = self.locate(&predicted, map);
-        let tracked = self.judge(found, predicted);
+        let located = self.locate(&predicted, map);
+        let tracked = self.judge(located, predicted);
         let inserted = self.may_insert() && self.insert(observation, scan, &tracked.map_from_base, map)?;
         Ok(inserted)
+    }
+
+    /// Keeps the levels, for a save.
+    pub fn keep(&mut self, map: &Map) {
+        (self.kept.grid, self.kept.coarse_grids) = (map.grid.clone(), map.coarse_grids.clone());
     }
 
     /// The robot is lost: for long nothing has matched.
@@ -132,7 +159,7 @@ impl ScanTracker {
     fn predict(&mut self, stamp: Time) -> Tracked {
         if let Some((map_from_base, covariance)) = self.pending.take() {
             self.motion.begin(stamp, &map_from_base);
-            self.drift = covariance;
+            (self.drift, self.is_by_odometer) = (covariance, false);
             return Tracked { stamp, map_from_base, covariance };
         }
         let Some(state) = self.state else {
@@ -140,7 +167,8 @@ impl ScanTracker {
             self.motion.begin(stamp, &origin);
             return Tracked { stamp, map_from_base: origin, covariance: Matrix3::identity() * 1e-6 };
         };
-        let Step { before_from_after, covariance } = self.motion.predict(stamp);
+        let Step { before_from_after, covariance, is_by_odometer } = self.motion.predict(stamp);
+        self.is_by_odometer |= is_by_odometer;
         let axes = in_map(&state.map_from_base);
         let grown = axes * covariance * axes.transpose();
         self.drift += grown;
@@ -166,8 +194,7 @@ impl ScanTracker {
             return Ok(false);
         }
         if !self.settings.mapper.pyramid.fits(map) {
-            let around = Point2::from(predicted.map_from_base.translation.vector);
-            self.lay(around, map)?;
+            lay(&self.settings, &predicted.map_from_base, map)?;
         }
         self.status = MatchStatus::Ok;
         let is_inserted = self.insert(observation, scan, &predicted.map_from_base, map)?;
@@ -175,72 +202,9 @@ impl ScanTracker {
         Ok(is_inserted)
     }
 
-    /// Matches around the prediction; where that fails, around the best place near it, and of a lost robot anywhere.
-    fn locate(&mut self, predicted: &Tracked, map: &Map) -> (Option<ScanMatch>, MatchStatus) {
-        if self.points.len() < self.settings.gate.min_points {
-            return (None, MatchStatus::TooFewPoints);
-        }
-        let (found, status) = self.match_from(&predicted.map_from_base, Some(predicted), map);
-        if status.is_match() {
-            return (found, status);
-        }
-        let reach = self.reach();
-        if let Some(place) = self.places.near(map, &self.points, &predicted.map_from_base, reach) {
-            let (near, near_status) = self.match_from(&place, None, map);
-            // It may be a place that only looks alike: so near the prior that must not be believed lightly.
-            if near_status == MatchStatus::Ok
-                && near.as_ref().is_some_and(|near| near.end.mean_cost() < NEAR_COST)
-            {
-                self.counters.found_near += 1;
-                return (near, near_status);
-            }
-        }
-        let every = self.settings.look_every_scans.max(1);
-        let n_lost = self.n_without_match.saturating_sub(self.settings.lost_after_scans);
-        let is_due = self.is_lost() && n_lost.is_multiple_of(every);
-        if let Some(place) = is_due.then(|| self.places.anywhere(map, &self.points)).flatten() {
-            let (far, far_status) = self.match_from(&place, None, map);
-            if far_status == MatchStatus::Ok {
-                self.counters.found_anywhere += 1;
-                return (far, far_status);
-            }
-        }
-        (None, status)
-    }
-
-    /// How far the robot may be from the guess: more, the longer nothing has matched.
-    fn reach(&self) -> [f64; 2] {
-        let deviations = self.drift.diagonal().map(|v| v.max(0.0).sqrt());
-        let [way, turn] = self.settings.near_reach;
-        let most = [4.0 * way, std::f64::consts::PI];
-        [(way + 2.0 * deviations.x.max(deviations.y)).min(most[0]), (turn + 2.0 * deviations.z).min(most[1])]
-    }
-
-    fn match_from(
-        &self,
-        start: &Pose2,
-        predicted: Option<&Tracked>,
-        map: &Map,
-    ) -> (Option<ScanMatch>, MatchStatus) {
-        let prior =
-            predicted.zip(self.settings.residual_variance).and_then(|(predicted, residual_variance)| {
-                let information = self.drift.try_inverse()?;
-                Some(PosePrior { map_from_base: predicted.map_from_base, information, residual_variance })
-            });
-        let levels = levels_of(map);
-        let found = match_scan(&levels, &self.points, start, prior.as_ref(), &self.settings.matching);
-        let mut gate = self.settings.gate;
-        if predicted.is_some() {
-            let deviations = self.drift.diagonal().map(|v| v.max(0.0).sqrt());
-            gate.max_correction_m = gate.max_correction_m.max(3.0 * deviations.x.max(deviations.y));
-            gate.max_correction_rad = gate.max_correction_rad.max(3.0 * deviations.z);
-        }
-        let status = found.as_ref().map_or(MatchStatus::LowOverlap, |found| gate.judge(found, start));
-        (found, status)
-    }
-
     /// What the robot's pose is after all.
-    fn judge(&mut self, (found, status): (Option<ScanMatch>, MatchStatus), predicted: Tracked) -> Tracked {
+    fn judge(&mut self, located: Located, predicted: Tracked) -> Tracked {
+        let Located { found, status, is_searched } = located;
         self.status = status;
         let counter = match status {
             MatchStatus::Ok => &mut self.counters.matched,
@@ -255,24 +219,45 @@ impl ScanTracker {
             self.arrive(predicted, false);
             return predicted;
         };
-        let covariance = fused(&predicted.covariance, &found.covariance);
-        let tracked = Tracked { map_from_base: found.map_from_base, covariance, ..predicted };
+        let tracked = if is_searched {
+            // The robot is not where it was thought to be: the way there is no motion, and the guess knew nothing.
+            self.motion.begin(predicted.stamp, &found.map_from_base);
+            Tracked { map_from_base: found.map_from_base, covariance: found.covariance, ..predicted }
+        } else {
+            let covariance = fused(&predicted.covariance, &found.covariance);
+            Tracked { map_from_base: found.map_from_base, covariance, ..predicted }
+        };
         self.n_without_match = 0;
         self.way_without_match_m = 0.0;
-        self.drift = Matrix3::zeros();
+        self.look = Look::default();
+        self.blind_deviation_m = found.seen.blind_deviation_m(&self.drift);
+        self.drift = unseen(&self.drift, &found.seen);
+        self.is_by_odometer &= !found.seen.is_complete();
         self.arrive(tracked, true);
         tracked
     }
 
     fn arrive(&mut self, tracked: Tracked, is_matched: bool) {
         self.motion.arrived(tracked.stamp, &tracked.map_from_base, is_matched);
+        // Stamps of a clock that was replaced say nothing beside those of the new one.
+        while self.trajectory.last().is_some_and(|(stamp, _)| *stamp >= tracked.stamp) {
+            self.trajectory.pop();
+        }
         self.trajectory.push((tracked.stamp, tracked.map_from_base));
         self.state = Some(tracked);
+        self.newest = Some(tracked.stamp);
     }
 }
 
-/// A place that was searched for must fit as well as scans fit on the way.
-const NEAR_COST: f64 = 0.3;
+/// What of a covariance lies along directions that a match did not see.
+fn unseen(drift: &Matrix3<f64>, seen: &Observability) -> Matrix3<f64> {
+    if seen.is_complete() {
+        return Matrix3::zeros();
+    }
+    let axis = |k: usize| Vector3::from_fn(|row, _| f64::from(u8::from(row == k)));
+    let blind = Matrix3::from_columns(&[0, 1, 2].map(|k| axis(k) - seen.seen_part(&axis(k))));
+    blind * drift * blind.transpose()
+}
 
 /// Turns covariances of the base's axes into the map's.
 fn in_map(map_from_base: &Pose2) -> Matrix3<f64> {

@@ -1,0 +1,132 @@
+//! Where the robot is by a scan: near the prediction, else near that, else anywhere on the map.
+
+use super::tracker::{ScanTracker, Tracked};
+use rumbo_core::frames::Pose2;
+use rumbo_core::map::Map;
+use rumbo_kit::scan_match::{MatchStatus, PosePrior, ScanMatch, levels_of, levels_within, match_scan};
+
+/// What came of it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Located {
+    pub found: Option<ScanMatch>,
+    pub status: MatchStatus,
+    /// The place was searched for: the prediction was wrong.
+    pub is_searched: bool,
+}
+
+/// When a robot that is lost looks over the whole map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Look {
+    /// Somebody said that it may be anywhere: where it was says nothing.
+    pub is_anywhere: bool,
+    /// Scans until the next look.
+    pub wait_scans: u32,
+    /// Looks that found no place.
+    pub n_in_vain: u32,
+}
+
+/// Each look in vain doubles the wait, so many times at most: what did not fit anywhere will hardly fit soon.
+const MOST_DOUBLINGS: u32 = 5;
+
+impl ScanTracker {
+    /// Matches around the prediction; where that fails, around the best place near it, and of a lost robot anywhere.
+    pub(super) fn locate(&mut self, predicted: &Tracked, map: &Map) -> Located {
+        let none = |status| Located { found: None, status, is_searched: false };
+        if self.points.len() < self.settings.gate.min_points {
+            return none(MatchStatus::TooFewPoints);
+        }
+        let mut status = MatchStatus::LowOverlap;
+        if !self.look.is_anywhere {
+            let mut here = self.match_from(&predicted.map_from_base, Some(predicted), self.likely_reach_m(), map);
+            if !here.status.is_match() {
+                here = self.match_from(&predicted.map_from_base, Some(predicted), f64::INFINITY, map);
+            }
+            if here.status.is_match() {
+                return here;
+            }
+            status = here.status;
+            let place = self.places.near(map, &self.points, &predicted.map_from_base, self.reach());
+            if let Some(near) = place.and_then(|place| self.found_at(&place, map)) {
+                self.counters.found_near += 1;
+                return near;
+            }
+        }
+        if self.is_lost() {
+            if self.look.wait_scans > 0 {
+                self.look.wait_scans -= 1;
+            } else if let Some(far) = self.look_everywhere(map) {
+                self.counters.found_anywhere += 1;
+                return far;
+            }
+        }
+        none(status)
+    }
+
+    fn look_everywhere(&mut self, map: &Map) -> Option<Located> {
+        let doublings = self.look.n_in_vain.min(MOST_DOUBLINGS);
+        self.look.wait_scans = self.settings.look_every_scans.max(1).saturating_mul(1 << doublings) - 1;
+        self.look.n_in_vain += 1;
+        let place = self.places.anywhere(map, &self.points)?;
+        self.found_at(&place, map)
+    }
+
+    /// The match at a place that was searched for, if it sees all directions and fits.
+    fn found_at(&self, place: &Pose2, map: &Map) -> Option<Located> {
+        let located = self.match_from(place, None, f64::INFINITY, map);
+        (located.status == MatchStatus::Ok).then_some(Located { is_searched: true, ..located })
+    }
+
+    /// How far the robot may be from the guess: more, the longer nothing has matched.
+    fn reach(&self) -> [f64; 2] {
+        let deviations = self.drift.diagonal().map(|v| v.max(0.0).sqrt());
+        let [way, turn] = self.settings.near_reach;
+        let most = [4.0 * way, std::f64::consts::PI];
+        [(way + 2.0 * deviations.x.max(deviations.y)).min(most[0]), (turn + 2.0 * deviations.z).min(most[1])]
+    }
+
+    /// How far the points of the scan may lie from where the prediction puts them, twice its deviation.
+    fn likely_reach_m(&self) -> f64 {
+        let deviations = self.drift.diagonal().map(|v| v.max(0.0).sqrt());
+        let at_points = deviations.z * self.points.extent_m();
+        2.0 * self.doubt() * deviations.x.max(deviations.y).max(at_points)
+    }
+
+    fn match_from(
+        &self,
+        start: &Pose2,
+        predicted: Option<&Tracked>,
+        reach_m: f64,
+        map: &Map,
+    ) -> Located {
+        let prior = predicted.and_then(|predicted| self.prior(predicted));
+        let levels = levels_of(map);
+        let found = match_scan(levels_within(&levels, reach_m), &self.points, start, prior.as_ref(), &self.settings.matching);
+        let mut gate = self.settings.gate;
+        if predicted.is_some() {
+            let deviations = self.drift.diagonal().map(|v| v.max(0.0).sqrt());
+            gate.max_correction_m = gate.max_correction_m.max(3.0 * deviations.x.max(deviations.y));
+            gate.max_correction_rad = gate.max_correction_rad.max(3.0 * deviations.z);
+        }
+        let judged = |found: &ScanMatch| match gate.judge(found, start) {
+            // Only of what the map knows: new ground is no contradiction.
+            status if status.is_match() && found.end.known_cost() > self.settings.max_known_cost => {
+                MatchStatus::Diverged
+            }
+            status => status,
+        };
+        let status = found.as_ref().map_or(MatchStatus::LowOverlap, judged);
+        Located { found, status, is_searched: false }
+    }
+
+    /// What the prediction says in the match.
+    fn prior(&self, predicted: &Tracked) -> Option<PosePrior> {
+        let residual_variance = self.settings.residual_variance?;
+        let information = (self.drift * self.doubt().powi(2)).try_inverse()?;
+        Some(PosePrior { map_from_base: predicted.map_from_base, information, residual_variance })
+    }
+
+    /// Errors of an odometer are alike from scan to scan: counted as if they were not, they add up in the map.
+    fn doubt(&self) -> f64 {
+        if self.is_by_odometer { self.settings.odometer_doubt } else { 1.0 }
+    }
+}
