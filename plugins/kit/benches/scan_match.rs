@@ -6,7 +6,9 @@ use rumbo_core::messages::LaserScan;
 use rumbo_kit::generated_world::GeneratedWorld;
 use rumbo_kit::occupancy::{BeamLimits, Evidence, FreeSpace, MapperSettings, Pyramid, ScanMapper};
 use rumbo_kit::ray::{Ray, RayGrid};
-use rumbo_kit::scan_match::{MatchSettings, ScanPoints, ScanPreparation, levels_of, levels_within, match_scan};
+use rumbo_kit::scan_match::{
+    MatchSettings, ScanPoints, ScanPreparation, levels_of, levels_within, match_scan,
+};
 
 fn main() {
     divan::main();

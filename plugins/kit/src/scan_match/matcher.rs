@@ -100,7 +100,8 @@ pub fn match_scan<L: MatchLevel>(
     let start = linearize(finest, points, map_from_start);
     let mut map_from_base = *map_from_start;
     for level in coarse.iter().rev() {
-        (map_from_base, _) = search.descend(level, map_from_base, settings.coarse_iterations, None, COARSE_CELLS);
+        (map_from_base, _) =
+            search.descend(level, map_from_base, settings.coarse_iterations, None, COARSE_CELLS);
     }
     // Without coarse levels the search begins where the first look was.
     let first = coarse.is_empty().then_some(start);

@@ -73,7 +73,12 @@ impl ScanTracker {
             return Ok(false);
         }
         self.kept = Map::default();
-        let inserted = self.mapper.insert(&pushed(scan, self.settings.mapper.pyramid.resolution_m), map_from_base, &observation.base_from_sensor, map)?;
+        let inserted = self.mapper.insert(
+            &pushed(scan, self.settings.mapper.pyramid.resolution_m),
+            map_from_base,
+            &observation.base_from_sensor,
+            map,
+        )?;
         if matches!(inserted, Inserted::Empty | Inserted::Beside) {
             return Ok(false);
         }

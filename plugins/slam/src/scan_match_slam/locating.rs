@@ -37,7 +37,8 @@ impl ScanTracker {
         }
         let mut status = MatchStatus::LowOverlap;
         if !self.look.is_anywhere {
-            let mut here = self.match_from(&predicted.map_from_base, Some(predicted), self.likely_reach_m(), map);
+            let mut here =
+                self.match_from(&predicted.map_from_base, Some(predicted), self.likely_reach_m(), map);
             if !here.status.is_match() {
                 here = self.match_from(&predicted.map_from_base, Some(predicted), f64::INFINITY, map);
             }
@@ -91,16 +92,16 @@ impl ScanTracker {
         2.0 * self.doubt() * deviations.x.max(deviations.y).max(at_points)
     }
 
-    fn match_from(
-        &self,
-        start: &Pose2,
-        predicted: Option<&Tracked>,
-        reach_m: f64,
-        map: &Map,
-    ) -> Located {
+    fn match_from(&self, start: &Pose2, predicted: Option<&Tracked>, reach_m: f64, map: &Map) -> Located {
         let prior = predicted.and_then(|predicted| self.prior(predicted));
         let levels = levels_of(map);
-        let found = match_scan(levels_within(&levels, reach_m), &self.points, start, prior.as_ref(), &self.settings.matching);
+        let found = match_scan(
+            levels_within(&levels, reach_m),
+            &self.points,
+            start,
+            prior.as_ref(),
+            &self.settings.matching,
+        );
         let mut gate = self.settings.gate;
         if predicted.is_some() {
             let deviations = self.drift.diagonal().map(|v| v.max(0.0).sqrt());

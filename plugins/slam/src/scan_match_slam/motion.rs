@@ -1,7 +1,7 @@
 //! How the robot moved since a scan, before the next one is looked at.
 
 use nalgebra::{Matrix3, Vector3};
-use rumbo_core::frames::{Pose2, Twist, pose2, wrap_angle};
+use rumbo_core::frames::{Pose2, Twist, is_finite2, pose2, wrap_angle};
 use rumbo_core::messages::{Data, Odometry, Seen};
 use rumbo_core::odometry_track::OdometryTrack;
 use rumbo_core::time::Time;
@@ -112,7 +112,8 @@ impl Motion {
     pub fn resumed(rule: PredictionRule, errors: MotionErrors, state: &MotionState) -> Motion {
         let mut motion = Motion::new(rule, errors);
         for (stamp, odom_from_base) in &state.odometry {
-            motion.read_odometer(*stamp, &Odometry { odom_from_base: *odom_from_base, ..Odometry::default() });
+            motion
+                .read_odometer(*stamp, &Odometry { odom_from_base: *odom_from_base, ..Odometry::default() });
         }
         motion.rates_rad_s.extend(&state.rates_rad_s);
         (motion.last, motion.matched, motion.velocity) = (state.last, state.matched, state.velocity);
@@ -137,7 +138,9 @@ impl Motion {
     pub fn take(&mut self, seen: Seen<'_>) {
         for observation in seen.iter().filter(|observation| observation.valid) {
             match &observation.data {
-                Data::Odometry(odometry) => self.read_odometer(observation.stamp, odometry),
+                Data::Odometry(odometry) if is_finite2(&odometry.odom_from_base) => {
+                    self.read_odometer(observation.stamp, odometry);
+                }
                 Data::Imu(imu) => {
                     let rates = Vector3::from(imu.rates_rad_s);
                     let about_up = (observation.base_from_sensor.rotation * rates).z;
@@ -219,7 +222,8 @@ impl Motion {
         };
         let seconds = (stamp - before).as_secs().max(0.0);
         let has_odometry = self.rule == PredictionRule::Odometry && self.odometry.stamp().is_some();
-        let mut step = if has_odometry { self.by_odometry(before, stamp) } else { self.by_velocity(before, seconds) };
+        let mut step =
+            if has_odometry { self.by_odometry(before, stamp) } else { self.by_velocity(before, seconds) };
         let turned = (self.rule == PredictionRule::Odometry).then(|| self.turned(before, stamp)).flatten();
         if let Some(turn) = turned {
             let way = step.before_from_after.translation;

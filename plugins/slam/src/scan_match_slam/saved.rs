@@ -8,9 +8,9 @@ use rumbo_core::boundary::Buffer;
 use rumbo_core::frames::{Pose2, Twist, pose2};
 use rumbo_core::map::{Grid, GridHeader, Map};
 use rumbo_core::messages::SensorId;
+use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::time::Time;
 use rumbo_kit::occupancy::UpdateGate;
-use rumbo_core::seal::{Broken, Reader, Seal};
 
 const SEAL: Seal = Seal { magic: *b"RUMBOSMS", version: 2 };
 

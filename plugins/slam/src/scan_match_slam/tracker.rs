@@ -1,17 +1,17 @@
 //! Predict, match, judge, insert: one scan after another.
 
-use super::motion::{Motion, Step};
 use super::insertion::lay;
 use super::locating::{Located, Look};
+use super::motion::{Motion, Step};
 use super::place_search::PlaceSearch;
 use super::settings::{Counters, TrackerSettings};
-use nalgebra::{Matrix3, Rotation2, Vector3};
+use nalgebra::{Matrix3, Rotation2};
 use rumbo_core::frames::Pose2;
 use rumbo_core::map::{GridFault, Map};
 use rumbo_core::messages::{LaserScan, Observation, Seen, SensorId};
 use rumbo_core::time::Time;
 use rumbo_kit::occupancy::{ScanMapper, UpdateGate};
-use rumbo_kit::scan_match::{MatchStatus, Observability, ScanPoints};
+use rumbo_kit::scan_match::{MatchStatus, ScanPoints};
 
 /// Where the robot is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +38,7 @@ pub struct ScanTracker {
     pub(super) newest: Option<Time>,
     /// It goes on from what was saved, by the same clock or another.
     pub(super) is_resumed: bool,
-    /// Covariance of the motion since the last match, and of what that match did not see.
+    /// Covariance of the motion since the last match.
     pub(super) drift: Matrix3<f64>,
     /// The odometer is part of the drift.
     pub(super) is_by_odometer: bool,
@@ -231,8 +231,8 @@ impl ScanTracker {
         self.way_without_match_m = 0.0;
         self.look = Look::default();
         self.blind_deviation_m = found.seen.blind_deviation_m(&self.drift);
-        self.drift = unseen(&self.drift, &found.seen);
-        self.is_by_odometer &= !found.seen.is_complete();
+        self.drift = Matrix3::zeros();
+        self.is_by_odometer = false;
         self.arrive(tracked, true);
         tracked
     }
@@ -247,16 +247,6 @@ impl ScanTracker {
         self.state = Some(tracked);
         self.newest = Some(tracked.stamp);
     }
-}
-
-/// What of a covariance lies along directions that a match did not see.
-fn unseen(drift: &Matrix3<f64>, seen: &Observability) -> Matrix3<f64> {
-    if seen.is_complete() {
-        return Matrix3::zeros();
-    }
-    let axis = |k: usize| Vector3::from_fn(|row, _| f64::from(u8::from(row == k)));
-    let blind = Matrix3::from_columns(&[0, 1, 2].map(|k| axis(k) - seen.seen_part(&axis(k))));
-    blind * drift * blind.transpose()
 }
 
 /// Turns covariances of the base's axes into the map's.
