@@ -161,7 +161,7 @@ impl Default for ScanMatchSlamParams {
             max_correction_m: 0.5,
             max_correction_deg: 20.0,
             max_mean_cost: 0.3,
-            explore_grace_m: 2.0,
+            explore_grace_m: 10.0,
             lost_after_scans: 20,
             look_every_scans: 5,
             near_reach_m: 0.6,

@@ -26,6 +26,11 @@ impl LoopWorld {
         LoopWorld { segments: serde_json::from_value(file()["segments_base"].clone()).unwrap() }
     }
 
+    /// A world of these walls.
+    pub fn of(segments: Vec<[f64; 4]>) -> LoopWorld {
+        LoopWorld { segments }
+    }
+
     /// Exact range along a bearing, meters; infinity where nothing is within 30 m.
     pub fn range_m(&self, map_from_sensor: &Pose2, bearing_rad: f64) -> f64 {
         let from = map_from_sensor.translation.vector;
