@@ -10,12 +10,15 @@ mod mirror;
 #[path = "scan_match/world.rs"]
 mod world;
 
-use course::{Course, Mapper, Outcome, drive, wall_errors_m};
+use course::{Course, Outcome, drive, wall_errors_m};
 use rand::RngExt;
-use rumbo_core::frames::{Pose3, pose2};
+use rumbo_core::frames::{Point2, Pose3, pose2};
+use rumbo_core::map::Map;
+use rumbo_core::rng::Rng;
+use rumbo_kit::occupancy::{BeamLimits, Evidence, FreeSpace, MapperSettings, Pyramid, ScanMapper};
 use rumbo_kit::scan_match::{MatchSettings, ScanPoints, ScanPreparation, levels_of, match_scan};
 use rumbo_slam::scan_match_slam::{Prediction, ScanMatchSlamParams};
-use world::{LoopWorld, lane, laser, stream};
+use world::{LoopWorld, lane, stream};
 
 const FAST: Course = Course { speed_m_s: 1.38, rate_hz: 10.0, has_gyro: false, seed: 1 };
 
@@ -83,9 +86,9 @@ fn one_level_from_the_last_pose_does_not_follow_a_fast_robot() {
 }
 
 /// Share of 60 matches that end within 5 cm and 1 degree.
-fn captured(mapper: &Mapper, world: &LoopWorld, away_m: f64, away_deg: f64) -> f64 {
+fn captured(map: &Map, world: &LoopWorld, away_m: f64, away_deg: f64) -> f64 {
     let mut rng = stream(77);
-    let levels = levels_of(&mapper.map);
+    let levels = levels_of(map);
     let settings = MatchSettings { coarse_iterations: 8, finest_iterations: 12, ..MatchSettings::default() };
     let mut points = ScanPoints::default();
     let hits = (0..60).filter(|_| {
@@ -104,6 +107,24 @@ fn captured(mapper: &Mapper, world: &LoopWorld, away_m: f64, away_deg: f64) -> f
     hits.count() as f64 / 60.0
 }
 
+fn map_from_true_poses(world: &LoopWorld, levels: u32, rng: &mut Rng) -> Map {
+    let pyramid = Pyramid { resolution_m: 0.05, levels, block_cells: 256, max_cells: 100_000_000 };
+    let mut mapper = ScanMapper::new(MapperSettings {
+        evidence: Evidence::new(0.4, 0.9, 0.01, 0.99).unwrap(),
+        pyramid,
+        limits: BeamLimits { min_range_m: 0.1, max_range_m: 30.0, clear_range_m: 0.0 },
+        free_space: FreeSpace::Area { widest_wedge_rad: 0.02 },
+        auto_grow: true,
+    });
+    let mut map = Map::default();
+    pyramid.lay(&mut map, 1024, Point2::origin(), [0.5, 0.5]).unwrap();
+    for k in 0..220 {
+        let truth = lane(f64::from(k) * 0.2);
+        mapper.insert(&world.scan(&truth, rng), &truth, &Pose3::identity(), &mut map).unwrap();
+    }
+    map
+}
+
 /// A map from true poses: every match from far off must find its way on it.
 #[test]
 fn the_capture_range_is_what_the_specification_asks_for() {
@@ -113,15 +134,9 @@ fn the_capture_range_is_what_the_specification_asks_for() {
         (3, [(0.1, 2.0, 0.95), (0.2, 5.0, 0.95)].as_slice()),
         (5, [(0.5, 15.0, 0.95), (1.0, 20.0, 0.85)].as_slice()),
     ] {
-        let params = with_levels(levels);
-        let mut mapper = Mapper::start_at(&params, lane(0.0));
-        for k in 0..220 {
-            let truth = lane(f64::from(k) * 0.2);
-            mapper.relocate_exactly(truth);
-            mapper.see(&[laser(f64::from(k) + 1.0, world.scan(&truth, &mut rng))]);
-        }
+        let map = map_from_true_poses(&world, levels, &mut rng);
         for (away_m, away_deg, least) in cases {
-            let share = captured(&mapper, &world, *away_m, *away_deg);
+            let share = captured(&map, &world, *away_m, *away_deg);
             assert!(share >= *least, "{levels} levels, {away_m} m, {away_deg} degrees: {share}");
         }
     }

@@ -2,7 +2,6 @@
 
 use super::tracker::{ScanTracker, Tracked};
 use rumbo_core::frames::Pose2;
-use rumbo_core::map::Map;
 use rumbo_kit::scan_match::{MatchStatus, PosePrior, ScanMatch, levels_of, levels_within, match_scan};
 
 /// What came of it.
@@ -30,24 +29,23 @@ const MOST_DOUBLINGS: u32 = 5;
 
 impl ScanTracker {
     /// Matches around the prediction; where that fails, around the best place near it, and of a lost robot anywhere.
-    pub(super) fn locate(&mut self, predicted: &Tracked, map: &Map) -> Located {
+    pub(super) fn locate(&mut self, predicted: &Tracked) -> Located {
         let none = |status| Located { found: None, status, is_searched: false };
         if self.points.len() < self.settings.gate.min_points {
             return none(MatchStatus::TooFewPoints);
         }
         let mut status = MatchStatus::LowOverlap;
         if !self.look.is_anywhere {
-            let mut here =
-                self.match_from(&predicted.map_from_base, Some(predicted), self.likely_reach_m(), map);
+            let mut here = self.match_from(&predicted.map_from_base, Some(predicted), self.likely_reach_m());
             if !here.status.is_match() {
-                here = self.match_from(&predicted.map_from_base, Some(predicted), f64::INFINITY, map);
+                here = self.match_from(&predicted.map_from_base, Some(predicted), f64::INFINITY);
             }
             if here.status.is_match() {
                 return here;
             }
             status = here.status;
-            let place = self.places.near(map, &self.points, &predicted.map_from_base, self.reach());
-            if let Some(near) = place.and_then(|place| self.found_at(&place, map)) {
+            let place = self.places.near(&self.levels, &self.points, &predicted.map_from_base, self.reach());
+            if let Some(near) = place.and_then(|place| self.found_at(&place)) {
                 self.counters.found_near += 1;
                 return near;
             }
@@ -55,7 +53,7 @@ impl ScanTracker {
         if self.is_lost() {
             if self.look.wait_scans > 0 {
                 self.look.wait_scans -= 1;
-            } else if let Some(far) = self.look_everywhere(map) {
+            } else if let Some(far) = self.look_everywhere() {
                 self.counters.found_anywhere += 1;
                 return far;
             }
@@ -63,17 +61,17 @@ impl ScanTracker {
         none(status)
     }
 
-    fn look_everywhere(&mut self, map: &Map) -> Option<Located> {
+    fn look_everywhere(&mut self) -> Option<Located> {
         let doublings = self.look.n_in_vain.min(MOST_DOUBLINGS);
         self.look.wait_scans = self.settings.look_every_scans.max(1).saturating_mul(1 << doublings) - 1;
         self.look.n_in_vain += 1;
-        let place = self.places.anywhere(map, &self.points)?;
-        self.found_at(&place, map)
+        let place = self.places.anywhere(&self.levels, &self.points)?;
+        self.found_at(&place)
     }
 
     /// The match at a place that was searched for, if it sees all directions and fits.
-    fn found_at(&self, place: &Pose2, map: &Map) -> Option<Located> {
-        let located = self.match_from(place, None, f64::INFINITY, map);
+    fn found_at(&self, place: &Pose2) -> Option<Located> {
+        let located = self.match_from(place, None, f64::INFINITY);
         (located.status == MatchStatus::Ok).then_some(Located { is_searched: true, ..located })
     }
 
@@ -92,9 +90,9 @@ impl ScanTracker {
         2.0 * self.doubt() * deviations.x.max(deviations.y).max(at_points)
     }
 
-    fn match_from(&self, start: &Pose2, predicted: Option<&Tracked>, reach_m: f64, map: &Map) -> Located {
+    fn match_from(&self, start: &Pose2, predicted: Option<&Tracked>, reach_m: f64) -> Located {
         let prior = predicted.and_then(|predicted| self.prior(predicted));
-        let levels = levels_of(map);
+        let levels = levels_of(&self.levels);
         let found = match_scan(
             levels_within(&levels, reach_m),
             &self.points,

@@ -16,8 +16,8 @@ const SEAL: Seal = Seal { magic: *b"RUMBOSMS", version: 2 };
 
 /// Everything that the next scan depends on; none before the first scan.
 pub fn save(tracker: &ScanTracker) -> Option<Vec<u8>> {
-    let (state, map) = (tracker.state?, &tracker.kept);
-    let mut bytes = SEAL.begin(64 + 4 * map.grid.as_ref().map_or(0, |grid| grid.cells.len()) * 3 / 2);
+    let (state, drawn, levels) = (tracker.state?, tracker.drawn.as_ref()?, &tracker.levels);
+    let mut bytes = SEAL.begin(1024 + 4 * drawn.cells.len() * 5 / 2);
     let to = &mut bytes;
     put_stamp(to, state.stamp);
     put_pose(to, &state.map_from_base);
@@ -39,7 +39,8 @@ pub fn save(tracker: &ScanTracker) -> Option<Vec<u8>> {
         put_pose(to, pose);
     });
     put_all(to, &tracker.trajectory, put_stamped);
-    let grids: Vec<&Grid> = map.grid.iter().chain(&map.coarse_grids).collect();
+    put_grid(to, drawn);
+    let grids: Vec<&Grid> = levels.grid.iter().chain(&levels.coarse_grids).collect();
     put_all(to, &grids, |to, grid| put_grid(to, grid));
     Some(Seal::close(bytes))
 }
@@ -52,7 +53,7 @@ pub fn restore(tracker: &mut ScanTracker, bytes: &[u8], map: &mut Map) -> Result
     let mut rest = SEAL.open(bytes)?;
     let restored = read(&mut rest, tracker.settings).filter(|_| rest.is_empty());
     let fresh = restored.ok_or(Broken::Damaged)?;
-    (map.grid, map.coarse_grids) = (fresh.kept.grid.clone(), fresh.kept.coarse_grids.clone());
+    (map.grid, map.coarse_grids) = (fresh.drawn.clone(), Vec::new());
     map.touch();
     *tracker = fresh;
     Ok(())
@@ -80,13 +81,16 @@ fn read(from: &mut Reader<'_>, settings: TrackerSettings) -> Option<ScanTracker>
         Some((sensor, gate))
     })?;
     tracker.trajectory = all(from, |from| Some((Time(from.i64()?), pose(from)?)))?;
+    let drawn = Map { grid: Some(grid(from)?), ..Map::default() };
     let mut grids = all(from, grid)?;
     if grids.is_empty() {
         return None;
     }
     let coarse = grids.split_off(1);
-    tracker.kept = Map { grid: grids.pop(), coarse_grids: coarse, ..Map::default() };
-    settings.mapper.pyramid.fits(&tracker.kept).then_some(tracker)
+    tracker.levels = Map { grid: grids.pop(), coarse_grids: coarse, ..Map::default() };
+    let fits = tracker.mapper.pyramid().fits(&tracker.levels) && tracker.drawer.pyramid().fits(&drawn);
+    tracker.drawn = drawn.grid;
+    fits.then_some(tracker)
 }
 
 fn put_motion(to: &mut Vec<u8>, motion: &MotionState) {

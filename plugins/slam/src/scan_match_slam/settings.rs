@@ -45,6 +45,13 @@ pub struct TrackerSettings {
     pub look_every_scans: u32,
 }
 
+impl TrackerSettings {
+    /// For the map that is published: the finest level alone.
+    pub fn drawing(&self) -> MapperSettings {
+        MapperSettings { pyramid: Pyramid { levels: 1, ..self.mapper.pyramid }, ..self.mapper }
+    }
+}
+
 /// What was counted.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Counters {

@@ -1,13 +1,12 @@
 //! Predict, match, judge, insert: one scan after another.
 
-use super::insertion::lay;
 use super::locating::{Located, Look};
 use super::motion::{Motion, Step};
 use super::place_search::PlaceSearch;
 use super::settings::{Counters, TrackerSettings};
 use nalgebra::{Matrix3, Rotation2};
 use rumbo_core::frames::Pose2;
-use rumbo_core::map::{GridFault, Map};
+use rumbo_core::map::{Grid, GridFault, Map};
 use rumbo_core::messages::{LaserScan, Observation, Seen, SensorId};
 use rumbo_core::time::Time;
 use rumbo_kit::occupancy::{ScanMapper, UpdateGate};
@@ -50,9 +49,12 @@ pub struct ScanTracker {
     pub(super) status: MatchStatus,
     pub(super) counters: Counters,
     pub(super) trajectory: Vec<(Time, Pose2)>,
-    /// The levels as they are after an update: what a save needs, which does not see the map. Shares its cells, and is
-    /// let go of before they are written.
-    pub(super) kept: Map,
+    /// What scans are matched against.
+    pub(super) levels: Map,
+    /// Draws the map that is published.
+    pub(super) drawer: ScanMapper,
+    /// That map as it is between updates: what a save needs, which does not see it. Shares its cells.
+    pub(super) drawn: Option<Grid>,
     pub(super) look: Look,
     pub(super) points: ScanPoints,
     pub(super) places: PlaceSearch,
@@ -79,7 +81,9 @@ impl ScanTracker {
             status: MatchStatus::Ok,
             counters: Counters::default(),
             trajectory: Vec::new(),
-            kept: Map::default(),
+            levels: Map::default(),
+            drawer: ScanMapper::new(settings.drawing()),
+            drawn: None,
             look: Look::default(),
             points: ScanPoints::default(),
             places: PlaceSearch::new(settings.places),
@@ -95,7 +99,7 @@ impl ScanTracker {
     ) -> Result<(), GridFault> {
         *self = ScanTracker::new(self.settings);
         self.pending = Some((map_from_base, covariance));
-        lay(&self.settings, &map_from_base, map)?;
+        self.lay(&map_from_base, map)?;
         map.touch();
         Ok(())
     }
@@ -140,15 +144,15 @@ impl ScanTracker {
         if self.is_blank {
             return self.first(observation, scan, predicted, map);
         }
-        let located = self.locate(&predicted, map);
+        let located = self.locate(&predicted);
         let tracked = self.judge(located, predicted);
         let inserted = self.may_insert() && self.insert(observation, scan, &tracked.map_from_base, map)?;
         Ok(inserted)
     }
 
-    /// Keeps the levels, for a save.
+    /// Keeps the map that is published, for a save.
     pub fn keep(&mut self, map: &Map) {
-        (self.kept.grid, self.kept.coarse_grids) = (map.grid.clone(), map.coarse_grids.clone());
+        self.drawn = map.grid.clone();
     }
 
     /// The robot is lost: for long nothing has matched.
@@ -193,8 +197,8 @@ impl ScanTracker {
             self.status = MatchStatus::TooFewPoints;
             return Ok(false);
         }
-        if !self.settings.mapper.pyramid.fits(map) {
-            lay(&self.settings, &predicted.map_from_base, map)?;
+        if !self.mapper.pyramid().fits(&self.levels) || !self.drawer.pyramid().fits(map) {
+            self.lay(&predicted.map_from_base, map)?;
         }
         self.status = MatchStatus::Ok;
         let is_inserted = self.insert(observation, scan, &predicted.map_from_base, map)?;

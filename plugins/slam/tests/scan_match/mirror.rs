@@ -50,35 +50,10 @@ fn way(side: f64) -> Vec<Pose2> {
 }
 
 #[test]
-fn tmp_maps() {
-    let map = |side: f64| {
-        let world = room(side);
-        let start = pose2(1.75, side * 2.75, 0.0);
-        let mut mapper = Mapper::start_at(&ScanMatchSlamParams::default(), start);
-        mapper.see(&[laser(0.1, scan(&world, &start, side))]);
-        mapper.map
-    };
-    let (one, other) = (map(1.0), map(-1.0));
-    for (a, b) in one.grid.iter().chain(&one.coarse_grids).zip(other.grid.iter().chain(&other.coarse_grids)) {
-        let (w, h) = (a.width() as usize, a.height() as usize);
-        for idx in 0..w * h {
-            let (col, row) = (idx % w, idx / w);
-            let (x, y) = (a.cells[idx], b.cells[(h - 1 - row) * w + col]);
-            if x != y {
-                println!("{} col {} row {}: {x} {y}", a.resolution_m(), col as f64 - w as f64 / 2.0 + 0.5, row as f64 - h as f64 / 2.0 + 0.5);
-            }
-        }
-    }
-}
-
-#[test]
 fn a_world_in_the_mirror_gives_the_way_in_the_mirror() {
     for (k, (one, other)) in way(1.0).iter().zip(way(-1.0)).enumerate() {
         let apart = one.inverse() * other;
         let [away_m, away_rad] = [apart.translation.vector.norm(), apart.rotation.angle().abs()];
-        if std::env::var("SHOW").is_ok() {
-            println!("{k} {away_m:.2e} {away_rad:.2e} {:.4} {:.4}", one.translation.x, one.translation.y);
-        }
         assert!(away_m < 0.01 && away_rad < 0.009, "{k}: {away_m} m, {away_rad} rad");
     }
 }
