@@ -36,18 +36,16 @@ impl ScanTracker {
         }
         let mut status = MatchStatus::LowOverlap;
         if !self.look.is_anywhere {
-            let mut here = self.match_from(&predicted.map_from_base, Some(predicted), self.likely_reach_m());
-            if !here.status.is_match() {
-                here = self.match_from(&predicted.map_from_base, Some(predicted), f64::INFINITY);
-            }
-            if here.status.is_match() {
+            let here = self.match_here(predicted);
+            // Beyond the largest cells a match ends where it begins to fit: it must stand against the best place around.
+            if here.status.is_match() && !self.is_beyond_levels() {
                 return here;
             }
             status = here.status;
-            let place = self.places.near(&self.levels, &self.points, &predicted.map_from_base, self.reach());
-            if let Some(near) = place.and_then(|place| self.found_at(&place)) {
-                self.counters.found_near += 1;
-                return near;
+            let near = self.look_near(predicted).filter(|near| !fits_better(&here, near));
+            self.counters.found_near += u64::from(near.is_some());
+            if let Some(best) = near.or_else(|| here.status.is_match().then_some(here)) {
+                return best;
             }
         }
         if self.is_lost() {
@@ -59,6 +57,26 @@ impl ScanTracker {
             }
         }
         none(status)
+    }
+
+    fn match_here(&self, predicted: &Tracked) -> Located {
+        let start = &predicted.map_from_base;
+        let here = self.match_from(start, Some(predicted), self.doubt() * self.likely_reach_m());
+        if here.status.is_match() { here } else { self.match_from(start, Some(predicted), f64::INFINITY) }
+    }
+
+    fn is_beyond_levels(&self) -> bool {
+        let coarsest = self.levels.coarse_grids.last().or(self.levels.grid.as_ref());
+        coarsest.is_some_and(|grid| self.likely_reach_m() > grid.resolution_m())
+    }
+
+    fn look_near(&mut self, predicted: &Tracked) -> Option<Located> {
+        if self.settings.near_reach[0] <= 0.0 {
+            return None;
+        }
+        let reach = self.reach();
+        let place = self.places.near(&self.levels, &self.points, &predicted.map_from_base, reach)?;
+        self.found_at(&place)
     }
 
     fn look_everywhere(&mut self) -> Option<Located> {
@@ -87,7 +105,7 @@ impl ScanTracker {
     fn likely_reach_m(&self) -> f64 {
         let deviations = self.drift.diagonal().map(|v| v.max(0.0).sqrt());
         let at_points = deviations.z * self.points.extent_m();
-        2.0 * self.doubt() * deviations.x.max(deviations.y).max(at_points)
+        2.0 * deviations.x.max(deviations.y).max(at_points)
     }
 
     fn match_from(&self, start: &Pose2, predicted: Option<&Tracked>, reach_m: f64) -> Located {
@@ -128,4 +146,10 @@ impl ScanTracker {
     fn doubt(&self) -> f64 {
         if self.is_by_odometer { self.settings.odometer_doubt } else { 1.0 }
     }
+}
+
+/// A match that holds, at no more misfit than the other place.
+fn fits_better(here: &Located, other: &Located) -> bool {
+    let cost = |located: &Located| located.found.as_ref().map_or(1.0, |found| found.end.known_cost());
+    here.status.is_match() && cost(here) <= cost(other)
 }

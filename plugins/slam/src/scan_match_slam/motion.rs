@@ -60,12 +60,14 @@ pub struct MotionState {
     pub last: Option<(Time, Pose2)>,
     /// The last match's stamp.
     pub matched: Option<Time>,
-    /// Of the last matches.
-    pub velocity: Twist,
+    /// Of the last matches, once there were two.
+    pub velocity: Option<Twist>,
 }
 
 /// Beyond this a velocity says nothing, seconds.
 const VELOCITY_HOLDS_S: f64 = 1.0;
+/// A robot whose velocity is not known yet may move like this, m/s and rad/s.
+const UNKNOWN_SPEED: [f64; 2] = [1.5, 1.0];
 /// After a pause that is longer an odometer may have begun anew, seconds, ...
 const ODOMETER_PAUSE_S: f64 = 1.0;
 /// ... and surely has where it would have been faster than this, m/s.
@@ -89,7 +91,7 @@ pub struct Motion {
     rates_rad_s: VecDeque<(Time, f64)>,
     last: Option<(Time, Pose2)>,
     matched: Option<Time>,
-    velocity: Twist,
+    velocity: Option<Twist>,
 }
 
 impl Motion {
@@ -104,7 +106,7 @@ impl Motion {
             rates_rad_s: VecDeque::new(),
             last: None,
             matched: None,
-            velocity: Twist::ZERO,
+            velocity: None,
         }
     }
 
@@ -186,7 +188,7 @@ impl Motion {
     pub fn begin(&mut self, stamp: Time, map_from_base: &Pose2) {
         self.last = Some((stamp, *map_from_base));
         self.matched = None;
-        self.velocity = Twist::ZERO;
+        self.velocity = None;
     }
 
     /// The robot is here, by a match or by the prediction itself. Only the way between two matches is a velocity: what a
@@ -200,9 +202,9 @@ impl Motion {
                 let turn = way.rotation.angle();
                 // The chord of an arc points along its middle.
                 let along = pose2(0.0, 0.0, -0.5 * turn) * way.translation.vector / seconds;
-                Twist { forward_m_s: along.x, left_m_s: along.y, turn_rad_s: turn / seconds }
+                Some(Twist { forward_m_s: along.x, left_m_s: along.y, turn_rad_s: turn / seconds })
             } else {
-                Twist::ZERO
+                None
             };
         }
         if is_matched {
@@ -251,13 +253,12 @@ impl Motion {
     fn by_velocity(&self, before: Time, seconds: f64) -> Step {
         let age_s = self.matched.map_or(0.0, |matched| (before - matched).as_secs());
         let held_s = seconds.min((VELOCITY_HOLDS_S - age_s).max(0.0));
-        let before_from_after = match self.rule {
-            PredictionRule::LastPose => Pose2::identity(),
-            _ => self.velocity.integrate(held_s),
-        };
+        let velocity = self.velocity.filter(|_| self.rule != PredictionRule::LastPose);
+        let before_from_after = velocity.map_or_else(Pose2::identity, |velocity| velocity.integrate(held_s));
+        let unknown = if velocity.is_none() { UNKNOWN_SPEED } else { [0.0, 0.0] };
         let e = &self.errors;
-        let speed_change = e.acceleration_m_s2 * seconds;
-        let turn_change = e.turn_acceleration_rad_s2 * seconds;
+        let speed_change = e.acceleration_m_s2 * seconds + unknown[0];
+        let turn_change = e.turn_acceleration_rad_s2 * seconds + unknown[1];
         let way = speed_change * seconds;
         let deviations = Vector3::new(way, way, turn_change * seconds);
         Step { before_from_after, covariance: self.with_least(deviations), is_by_odometer: false }

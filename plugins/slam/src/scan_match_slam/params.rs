@@ -98,7 +98,8 @@ pub struct ScanMatchSlamParams {
     pub lost_after_scans: u32,
     /// A lost robot looks at every nth scan; each look that finds nothing doubles that, up to 32 times.
     pub look_every_scans: u32,
-    /// Where a match fails, the place that fits best is looked for so far around, meters, ...
+    /// Where a match fails, or the prediction knows too little, the place that fits best is looked for so far around (and
+    /// twice the deviation of the prediction), meters; 0 does not look, ...
     pub near_reach_m: f64,
     /// ... and so far to each side, degrees.
     pub near_reach_deg: f64,

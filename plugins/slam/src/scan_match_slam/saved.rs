@@ -101,7 +101,9 @@ fn put_motion(to: &mut Vec<u8>, motion: &MotionState) {
     });
     put_some(to, motion.last.as_ref(), put_stamped);
     put_some(to, motion.matched.as_ref(), |to, stamp| put_stamp(to, *stamp));
-    put(to, &[motion.velocity.forward_m_s, motion.velocity.left_m_s, motion.velocity.turn_rad_s]);
+    put_some(to, motion.velocity.as_ref(), |to, velocity| {
+        put(to, &[velocity.forward_m_s, velocity.left_m_s, velocity.turn_rad_s]);
+    });
 }
 
 fn motion(from: &mut Reader<'_>) -> Option<MotionState> {
@@ -110,7 +112,10 @@ fn motion(from: &mut Reader<'_>) -> Option<MotionState> {
         rates_rad_s: all(from, |from| Some((Time(from.i64()?), number(from)?)))?,
         last: some(from, |from| Some((Time(from.i64()?), pose(from)?)))?,
         matched: some(from, |from| from.i64().map(Time))?,
-        velocity: Twist { forward_m_s: number(from)?, left_m_s: number(from)?, turn_rad_s: number(from)? },
+        velocity: some(from, |from| {
+            let (forward_m_s, left_m_s) = (number(from)?, number(from)?);
+            Some(Twist { forward_m_s, left_m_s, turn_rad_s: number(from)? })
+        })?,
     })
 }
 
