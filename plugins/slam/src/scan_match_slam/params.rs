@@ -153,7 +153,7 @@ impl Default for ScanMatchSlamParams {
             gyroscope_deg_s: 0.5,
             acceleration_m_s2: 1.0,
             turn_acceleration_deg_s2: 115.0,
-            finest_iterations: 8,
+            finest_iterations: 12,
             coarse_iterations: 4,
             covariance: CovarianceRule::Curvature,
             degeneracy_ratio: 1e-3,

@@ -4,7 +4,7 @@ use super::locating::{Located, Look};
 use super::motion::{Motion, Step};
 use super::place_search::PlaceSearch;
 use super::settings::{Counters, TrackerSettings};
-use nalgebra::{Matrix3, Rotation2};
+use nalgebra::{Matrix3, Rotation2, Vector3};
 use rumbo_core::frames::Pose2;
 use rumbo_core::map::{Grid, GridFault, Map};
 use rumbo_core::messages::{LaserScan, Observation, Seen, SensorId};
@@ -132,9 +132,8 @@ impl ScanTracker {
     ) -> Result<bool, GridFault> {
         self.counters.received += 1;
         let is_newer = self.newest.is_none_or(|newest| observation.stamp > newest);
-        if std::mem::take(&mut self.is_resumed) && !is_newer {
-            // Saved by another clock: nothing is known of the time between.
-            self.forget_clock();
+        if std::mem::take(&mut self.is_resumed) && !self.goes_on_at(observation.stamp) {
+            self.begin_where_it_was();
         } else if !is_newer {
             self.counters.not_newer += 1;
             return Ok(false);
@@ -153,6 +152,21 @@ impl ScanTracker {
     /// Keeps the map that is published, for a save.
     pub fn keep(&mut self, map: &Map) {
         self.drawn = map.grid.clone();
+    }
+
+    /// The clock is the one that was saved, and hardly any time has passed.
+    fn goes_on_at(&self, stamp: Time) -> bool {
+        let pause_s = self.newest.map_or(f64::INFINITY, |newest| (stamp - newest).as_secs());
+        pause_s > 0.0 && pause_s <= LONGEST_PAUSE_S
+    }
+
+    /// Nothing is known of the time since it was saved, but that the robot will hardly have been moved.
+    fn begin_where_it_was(&mut self) {
+        let moved =
+            Matrix3::from_diagonal(&Vector3::from(MOVED_WHILE_OFF.map(|deviation| deviation * deviation)));
+        let place = self.state.map(|state| (state.map_from_base, state.covariance + moved));
+        self.pending = self.pending.or(place);
+        self.forget_clock();
     }
 
     /// The robot is lost: for long nothing has matched.
@@ -252,6 +266,11 @@ impl ScanTracker {
         self.newest = Some(tracked.stamp);
     }
 }
+
+/// A saved state that is older is gone on from as by another clock, seconds.
+const LONGEST_PAUSE_S: f64 = 1.0;
+/// How far a robot may be from where it was saved: along x and y (m), yaw (rad).
+const MOVED_WHILE_OFF: [f64; 3] = [0.1, 0.1, 0.1];
 
 /// Turns covariances of the base's axes into the map's.
 fn in_map(map_from_base: &Pose2) -> Matrix3<f64> {

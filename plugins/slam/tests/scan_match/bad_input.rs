@@ -196,6 +196,15 @@ fn a_state_that_was_saved_is_gone_on_from_with_the_same_map() {
         assert!(off_m(&estimate.pose2(), &other.pose2()) < 1e-9, "{k}: {}", other.pose2());
     }
     assert_eq!(resumed.map.grid, mapper.map.grid);
+    // Another day, by a clock that began anew: where it was.
+    resumed.slam.start(&Prior::Saved(saved.clone().into()), &mut resumed.map).unwrap();
+    for k in 0..10 {
+        let truth = lane(s_m + 0.1 * f64::from(k)) * pose2(-0.05, 0.03, 0.04);
+        let estimate =
+            resumed.see(&[laser(0.1 * f64::from(k), world.scan(&truth, &mut stream(300 + k as u64)))]);
+        assert!(off_m(&estimate.pose2(), &truth) < 0.1, "{k}: {}", estimate.pose2());
+        assert_eq!(estimate.status, Status::Tracking);
+    }
     for n in [0, 10, saved.len() - 1] {
         let cut = Prior::Saved(saved[..n].to_vec().into());
         assert!(resumed.slam.start(&cut, &mut resumed.map).is_err());

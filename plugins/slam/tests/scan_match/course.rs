@@ -90,14 +90,6 @@ pub fn drive(world: &LoopWorld, params: &ScanMatchSlamParams, course: &Course) -
         seen.push(laser(time_s + 1.0, world.scan(&truth, &mut rng)));
         let estimate = mapper.see(&seen);
         let error = truth.inverse() * estimate.pose2();
-        if std::env::var("SHOW").is_ok() {
-            println!(
-                "{k} {:.3} {:.4} {:?}",
-                error.translation.vector.norm(),
-                error.rotation.angle(),
-                estimate.status
-            );
-        }
         worst_m = worst_m.max(error.translation.vector.norm());
         worst_rad = worst_rad.max(error.rotation.angle().abs());
         n_unsure += usize::from(estimate.status != Status::Tracking);
