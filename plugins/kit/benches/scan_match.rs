@@ -6,7 +6,9 @@ use rumbo_core::messages::LaserScan;
 use rumbo_kit::generated_world::GeneratedWorld;
 use rumbo_kit::occupancy::{BeamLimits, Evidence, FreeSpace, MapperSettings, Pyramid, ScanMapper};
 use rumbo_kit::ray::{Ray, RayGrid};
-use rumbo_kit::scan_match::{MatchSettings, ScanPoints, ScanPreparation, levels_of, match_scan};
+use rumbo_kit::scan_match::{
+    MatchSettings, ScanPoints, ScanPreparation, levels_of, levels_within, match_scan,
+};
 
 fn main() {
     divan::main();
@@ -74,14 +76,14 @@ fn setup() -> Setup {
     Setup { map, mapper, places }
 }
 
-fn run(bencher: divan::Bencher<'_, '_>, away: Pose2, with_insertion: bool) {
+fn run(bencher: divan::Bencher<'_, '_>, away: Pose2, reach_m: f64, with_insertion: bool) {
     let Setup { mut map, mut mapper, places } = setup();
     let settings = MatchSettings::default();
     let mut next = places.iter().cycle();
     bencher.bench_local(|| {
         let Some((pose, scan, points)) = next.next() else { std::process::abort() };
         let start = pose * away;
-        let found = match_scan(&levels_of(&map), points, &start, None, &settings);
+        let found = match_scan(levels_within(&levels_of(&map), reach_m), points, &start, None, &settings);
         if with_insertion {
             let inserted = mapper.insert(scan, pose, &Pose3::identity(), &mut map);
             return (found, inserted.is_ok());
@@ -92,15 +94,15 @@ fn run(bencher: divan::Bencher<'_, '_>, away: Pose2, with_insertion: bool) {
 
 #[divan::bench]
 fn from_far_off(bencher: divan::Bencher<'_, '_>) {
-    run(bencher, pose2(0.08, -0.06, 0.05), false);
+    run(bencher, pose2(0.08, -0.06, 0.05), f64::INFINITY, false);
 }
 
 #[divan::bench]
 fn tracking(bencher: divan::Bencher<'_, '_>) {
-    run(bencher, pose2(0.01, -0.01, 0.003), false);
+    run(bencher, pose2(0.01, -0.01, 0.003), 0.05, false);
 }
 
 #[divan::bench]
 fn tracking_and_insertion(bencher: divan::Bencher<'_, '_>) {
-    run(bencher, pose2(0.01, -0.01, 0.003), true);
+    run(bencher, pose2(0.01, -0.01, 0.003), 0.05, true);
 }

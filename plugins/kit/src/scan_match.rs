@@ -21,7 +21,7 @@ mod step;
 
 pub use covariance::{CovarianceRule, CovarianceSettings};
 pub use gate::{MatchGate, MatchStatus};
-pub use level::{GridLevel, MatchLevel, levels_of};
+pub use level::{GridLevel, MatchLevel, levels_of, levels_within};
 pub use linearized::{Linearized, linearize};
 pub use logistic::logistic;
 pub use matcher::{MatchSettings, ScanMatch, match_scan};

@@ -25,6 +25,11 @@ impl UpdateGate {
         step.translation.vector.norm() > self.distance_m || step.rotation.angle().abs() > most_turn_rad
     }
 
+    /// Where the last scan was inserted from.
+    pub fn last(&self) -> Option<Pose2> {
+        self.last
+    }
+
     /// A scan was inserted from here.
     pub fn close(&mut self, map_from_base: &Pose2) {
         self.last = Some(*map_from_base);

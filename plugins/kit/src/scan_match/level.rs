@@ -67,6 +67,13 @@ pub fn levels_of(map: &Map) -> Vec<GridLevel<'_>> {
     map.grid.iter().chain(&map.coarse_grids).map(GridLevel::from).collect()
 }
 
+/// The finest of the levels, up to the first with cells as large as what a start may be off by: coarser ones cost time, and
+/// know less than the start does.
+pub fn levels_within<L: MatchLevel>(levels: &[L], reach_m: f64) -> &[L] {
+    let n = levels.iter().take_while(|level| level.resolution_m() < reach_m).count() + 1;
+    levels.get(..n).unwrap_or(levels)
+}
+
 impl MatchLevel for GridLevel<'_> {
     #[inline(always)]
     fn resolution_m(&self) -> f64 {

@@ -34,6 +34,18 @@ impl Linearized {
         if self.weight > 0.0 { self.cost / self.weight } else { 1.0 }
     }
 
+    /// Mean of `(1 - M)²` over the points whose place the map knows; 1 where it knows none. Where it knows nothing the
+    /// value is a half: a quarter each, whatever the scan looks like.
+    pub fn known_cost(&self) -> f64 {
+        let share = self.n_known as f64 / self.n_used.max(1) as f64;
+        let known_weight = self.weight * share;
+        if known_weight > 0.0 {
+            ((self.cost - 0.25 * (self.weight - known_weight)) / known_weight).clamp(0.0, 1.0)
+        } else {
+            1.0
+        }
+    }
+
     /// Mean value under the points: the likelihood that a sampled covariance is made of.
     pub fn mean_value(&self) -> f64 {
         if self.weight > 0.0 { 1.0 - self.shortfall / self.weight } else { 0.0 }

@@ -53,6 +53,9 @@ const MOST_DAMPING: f64 = 1e6;
 /// Damping below which it changes nothing.
 const LEAST_DAMPING: f64 = 1e-9;
 
+/// A step of so few cells ends a coarse level: the next finer one goes on from there anyway.
+const COARSE_CELLS: f64 = 0.02;
+
 /// What came of a match.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScanMatch {
@@ -97,17 +100,18 @@ pub fn match_scan<L: MatchLevel>(
     let start = linearize(finest, points, map_from_start);
     let mut map_from_base = *map_from_start;
     for level in coarse.iter().rev() {
-        (map_from_base, _) = search.descend(level, map_from_base, settings.coarse_iterations, None);
+        (map_from_base, _) =
+            search.descend(level, map_from_base, settings.coarse_iterations, None, COARSE_CELLS);
     }
     // Without coarse levels the search begins where the first look was.
     let first = coarse.is_empty().then_some(start);
     let (mut map_from_base, mut end) =
-        search.descend(finest, map_from_base, settings.finest_iterations, first);
+        search.descend(finest, map_from_base, settings.finest_iterations, first, 0.0);
     // Coarse levels may lead a good start astray: cells that are large say less than it knew.
     let objective = |look: &Linearized, pose: &Pose2| search.objective(look, start.weight, pose);
     if !coarse.is_empty() && objective(&end, &map_from_base) > objective(&start, map_from_start) {
         (map_from_base, end) =
-            search.descend(finest, *map_from_start, settings.finest_iterations, Some(start));
+            search.descend(finest, *map_from_start, settings.finest_iterations, Some(start), 0.0);
     }
     let seen = Observability::of(&end, search.extent_m, &settings.observability);
     let map_from_prior = prior.map_or(*map_from_start, |prior| prior.map_from_base);
@@ -139,22 +143,26 @@ impl Search<'_> {
     }
 
     /// Goes down on one level, by steps that make the mean cost (with a prior: the sum of both) smaller and keep at
-    /// least half of the points on the map.
+    /// least half of the points on the map; a step of less than so many cells is the last.
     fn descend<L: MatchLevel>(
         &mut self,
         level: &L,
         start: Pose2,
         n_iterations: u32,
         first: Option<Linearized>,
+        enough_cells: f64,
     ) -> (Pose2, Linearized) {
         let (mut pose, mut here) = (start, first.unwrap_or_else(|| self.look(level, &start)));
         let (n_start, weight) = (here.n_used, here.weight);
         let mut objective = self.objective(&here, weight, &pose);
         let mut damping = self.settings.first_damping;
+        let (enough_m, enough_rad) = (
+            self.settings.converge_m.max(enough_cells * level.resolution_m()),
+            self.settings.converge_rad.max(enough_cells * level.resolution_m() / self.extent_m),
+        );
         for _ in 0..n_iterations {
             let Some(change) = self.change(&here, &pose, damping, level.resolution_m()) else { break };
-            let is_small =
-                change.xy().norm() < self.settings.converge_m && change.z.abs() < self.settings.converge_rad;
+            let is_small = change.xy().norm() < enough_m && change.z.abs() < enough_rad;
             let tried = moved(&pose, &change);
             let there = self.look(level, &tried);
             let tried_objective = self.objective(&there, weight, &tried);

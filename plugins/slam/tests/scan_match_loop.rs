@@ -1,0 +1,143 @@
+//! `scan_match_slam` on the loop of the specification (13.3, 13.4), and with bad input (14).
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+#[path = "scan_match/bad_input.rs"]
+mod bad_input;
+#[path = "scan_match/course.rs"]
+mod course;
+#[path = "scan_match/mirror.rs"]
+mod mirror;
+#[path = "scan_match/world.rs"]
+mod world;
+
+use course::{Course, Outcome, drive, wall_errors_m};
+use rand::RngExt;
+use rumbo_core::frames::{Point2, Pose3, pose2};
+use rumbo_core::map::Map;
+use rumbo_core::rng::Rng;
+use rumbo_kit::occupancy::{BeamLimits, Evidence, FreeSpace, MapperSettings, Pyramid, ScanMapper};
+use rumbo_kit::scan_match::{MatchSettings, ScanPoints, ScanPreparation, levels_of, match_scan};
+use rumbo_slam::scan_match_slam::{Prediction, ScanMatchSlamParams};
+use world::{LoopWorld, lane, stream};
+
+const FAST: Course = Course { speed_m_s: 1.38, rate_hz: 10.0, has_gyro: false, seed: 1 };
+
+fn with_levels(levels: u32) -> ScanMatchSlamParams {
+    ScanMatchSlamParams { levels, ..ScanMatchSlamParams::default() }
+}
+
+fn within(outcome: &Outcome, most_m: f64, most_deg: f64) {
+    let Outcome { worst_m, worst_rad, n_unsure, .. } = outcome;
+    assert!(*worst_m <= most_m && worst_rad.to_degrees() <= most_deg, "{worst_m} m, {worst_rad} rad");
+    assert_eq!(*n_unsure, 0);
+}
+
+#[test]
+fn a_fast_robot_without_odometer_maps_the_loop() {
+    let world = LoopWorld::load();
+    for seed in 1..=3 {
+        let outcome = drive(&world, &with_levels(3), &Course { seed, ..FAST });
+        within(&outcome, 0.12, 1.0);
+        let errors = wall_errors_m(&world, &outcome.map);
+        let at_95 = errors[errors.len() * 95 / 100];
+        let rms = (errors.iter().map(|v| v * v).sum::<f64>() / errors.len() as f64).sqrt();
+        assert!(errors.len() > 500 && at_95 <= 0.15 && rms <= 0.08, "{} {at_95} {rms}", errors.len());
+    }
+}
+
+#[test]
+fn four_scans_a_second_from_the_last_pose_are_enough_with_five_levels() {
+    let params = ScanMatchSlamParams { prediction: Prediction::None, use_prior: false, ..with_levels(5) };
+    within(&drive(&LoopWorld::load(), &params, &Course { rate_hz: 4.0, ..FAST }), 0.15, 2.0);
+}
+
+#[test]
+fn two_scans_a_second_are_enough_with_a_gyroscope() {
+    let course = Course { rate_hz: 2.0, has_gyro: true, ..FAST };
+    within(&drive(&LoopWorld::load(), &with_levels(3), &course), 0.15, 2.0);
+}
+
+/// The robot turns by 26 degrees from scan to scan.
+#[test]
+fn two_scans_a_second_from_the_last_pose_are_refused_and_said_rather_than_believed() {
+    let params = ScanMatchSlamParams {
+        prediction: Prediction::None,
+        use_prior: false,
+        near_reach_m: 0.0,
+        near_reach_deg: 0.0,
+        ..with_levels(5)
+    };
+    let outcome = drive(&LoopWorld::load(), &params, &Course { rate_hz: 2.0, ..FAST });
+    assert!(outcome.n_unsure > 0 || outcome.worst_m < 0.15, "{} m, and nothing said", outcome.worst_m);
+}
+
+/// What the source ran: one level, no prediction.
+#[test]
+fn one_level_from_the_last_pose_does_not_follow_a_fast_robot() {
+    let params = ScanMatchSlamParams {
+        prediction: Prediction::None,
+        use_prior: false,
+        near_reach_m: 0.0,
+        near_reach_deg: 0.0,
+        ..with_levels(1)
+    };
+    let outcome = drive(&LoopWorld::load(), &params, &FAST);
+    assert!(outcome.worst_m > 1.0 || outcome.n_unsure > 20, "{} m", outcome.worst_m);
+}
+
+/// Share of 60 matches that end within 5 cm and 1 degree.
+fn captured(map: &Map, world: &LoopWorld, away_m: f64, away_deg: f64) -> f64 {
+    let mut rng = stream(77);
+    let levels = levels_of(map);
+    let settings = MatchSettings { coarse_iterations: 8, finest_iterations: 12, ..MatchSettings::default() };
+    let mut points = ScanPoints::default();
+    let hits = (0..60).filter(|_| {
+        let truth = lane(rng.random::<f64>() * 43.8);
+        let scan = world.scan(&truth, &mut rng);
+        ScanPreparation::default().prepare(&scan, &Pose3::identity(), &mut points);
+        let toward = rng.random::<f64>() * std::f64::consts::TAU;
+        let turn = if rng.random::<bool>() { away_deg } else { -away_deg }.to_radians();
+        let [x, y] =
+            [truth.translation.x + away_m * toward.cos(), truth.translation.y + away_m * toward.sin()];
+        let start = pose2(x, y, truth.rotation.angle() + turn);
+        let found = match_scan(&levels, &points, &start, None, &settings).unwrap();
+        let error = truth.inverse() * found.map_from_base;
+        error.translation.vector.norm() < 0.05 && error.rotation.angle().abs() < 1f64.to_radians()
+    });
+    hits.count() as f64 / 60.0
+}
+
+fn map_from_true_poses(world: &LoopWorld, levels: u32, rng: &mut Rng) -> Map {
+    let pyramid = Pyramid { resolution_m: 0.05, levels, block_cells: 256, max_cells: 100_000_000 };
+    let mut mapper = ScanMapper::new(MapperSettings {
+        evidence: Evidence::new(0.4, 0.9, 0.01, 0.99).unwrap(),
+        pyramid,
+        limits: BeamLimits { min_range_m: 0.1, max_range_m: 30.0, clear_range_m: 0.0 },
+        free_space: FreeSpace::Area { widest_wedge_rad: 0.02 },
+        auto_grow: true,
+    });
+    let mut map = Map::default();
+    pyramid.lay(&mut map, 1024, Point2::origin(), [0.5, 0.5]).unwrap();
+    for k in 0..220 {
+        let truth = lane(f64::from(k) * 0.2);
+        mapper.insert(&world.scan(&truth, rng), &truth, &Pose3::identity(), &mut map).unwrap();
+    }
+    map
+}
+
+/// A map from true poses: every match from far off must find its way on it.
+#[test]
+fn the_capture_range_is_what_the_specification_asks_for() {
+    let world = LoopWorld::load();
+    let mut rng = stream(5);
+    for (levels, cases) in [
+        (3, [(0.1, 2.0, 0.95), (0.2, 5.0, 0.95)].as_slice()),
+        (5, [(0.5, 15.0, 0.95), (1.0, 20.0, 0.85)].as_slice()),
+    ] {
+        let map = map_from_true_poses(&world, levels, &mut rng);
+        for (away_m, away_deg, least) in cases {
+            let share = captured(&map, &world, *away_m, *away_deg);
+            assert!(share >= *least, "{levels} levels, {away_m} m, {away_deg} degrees: {share}");
+        }
+    }
+}
