@@ -177,6 +177,7 @@ impl LoopSearch {
         let expected = Expected {
             reference_from_scan: grid_from_place.inverse() * best.grid_from_base,
             information: Matrix3::zeros(),
+            half_at: 1.0,
             first_gate_m: 0.4,
         };
         let found = register(&self.table, lately, &expected, &atlas.settings.registration)?;

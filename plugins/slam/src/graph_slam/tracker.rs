@@ -160,25 +160,31 @@ impl Tracker {
             let off_m = deviation.x.max(deviation.y).max(1e-3);
             let first_gate_m = (2.0 * off_m).clamp(0.3, 0.5);
             let deviation = [off_m, deviation.z.max(1e-3)];
-            return Prediction { frame_from_base: self.frame_from_base, deviation, first_gate_m };
+            let here = self.frame_from_base;
+            return Prediction {
+                frame_from_base: here,
+                without_odometer: [here; 2],
+                deviation,
+                first_gate_m,
+            };
         };
         let seconds = (stamp - before.stamp).as_secs();
         let odom_from_base = self.odom_at(stamp);
         let [least_m, share_m, least_rad, share_rad] = self.settings.tie.odometer;
+        let share = if before.seconds > 0.0 { (seconds / before.seconds).min(3.0) } else { 0.0 };
+        let as_before = interpolate2(&Pose2::identity(), &before.motion, share);
         let (motion, deviation) = match (before.odom_from_base, odom_from_base) {
             (Some(last), Some(now)) => {
                 let motion = last.inverse() * now;
                 let off_m = least_m + share_m * motion.translation.vector.norm();
                 (motion, [off_m, least_rad + share_rad * motion.rotation.angle().abs()])
             }
-            _ => {
-                let share = if before.seconds > 0.0 { (seconds / before.seconds).min(3.0) } else { 0.0 };
-                let motion = interpolate2(&Pose2::identity(), &before.motion, share);
-                (motion, [least_m + GUESS_M_S * seconds, least_rad + GUESS_RAD_S * seconds])
-            }
+            _ => (as_before, [least_m + GUESS_M_S * seconds, least_rad + GUESS_RAD_S * seconds]),
         };
         let first_gate_m = (2.0 * deviation[0] + 10.0 * deviation[1]).clamp(0.3, 0.5);
-        Prediction { frame_from_base: self.frame_from_base * motion, deviation, first_gate_m }
+        let here = self.frame_from_base;
+        let without_odometer = [here, here * as_before];
+        Prediction { frame_from_base: here * motion, without_odometer, deviation, first_gate_m }
     }
 
     /// The odometer at a time, as well as it is known yet.
