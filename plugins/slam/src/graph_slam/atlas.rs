@@ -19,6 +19,8 @@ pub(super) struct KeyFrame {
     pub base_from_sensor: Pose3,
     /// Its surfaces, seen from the base.
     pub surface: Vec<SurfacePoint>,
+    /// Its place was found by dead reckoning.
+    pub is_guessed: bool,
 }
 
 /// How key frames are tied together.
@@ -276,6 +278,28 @@ impl Atlas {
         let settings =
             OptimizeSettings { most_iterations, least_decrease: 1e-4, ..OptimizeSettings::default() };
         self.optimizer.optimize(&mut self.graph, &settings);
+    }
+
+    /// Frames in a row have moved against each other by more than this since the graph was so, meters.
+    pub fn is_torn_since(&self, earlier: &PoseGraph, most_m: f64) -> bool {
+        let seen =
+            |graph: &PoseGraph, frame: usize| Some(graph.pose(frame)?.inverse() * graph.pose(frame + 1)?);
+        let torn_m = |frame| {
+            Some(
+                (seen(&self.graph, frame)?.translation.vector - seen(earlier, frame)?.translation.vector)
+                    .norm(),
+            )
+        };
+        (0..self.frames.len()).filter_map(torn_m).any(|torn_m| torn_m > most_m)
+    }
+
+    /// Forgets what was tied and moved since the graph was so.
+    pub fn take_back(&mut self, earlier: PoseGraph) {
+        self.graph = earlier;
+        self.ways.iter_mut().for_each(Vec::clear);
+        for constraint in self.graph.constraints().to_vec() {
+            self.add_way(&constraint);
+        }
     }
 
     /// Registers all neighbors once more from where they are now, and optimizes.

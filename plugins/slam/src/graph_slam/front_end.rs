@@ -21,8 +21,8 @@ pub(super) struct FrontEnd {
 pub(super) struct Prediction {
     /// As seen from the key frame.
     pub frame_from_base: Pose2,
-    /// Where it would be if it had stayed, or moved as before, should the odometer be wrong.
-    pub without_odometer: [Pose2; 2],
+    /// Where it would be if it had stayed, or moved as before, should the odometer be wrong; nobody knows after a gap.
+    pub without_odometer: Option<[Pose2; 2]>,
     /// Standard deviations of place and turn since the scan before, meters and radians.
     pub deviation: [f64; 2],
     /// Pairs may be so far apart at the beginning, meters.
@@ -32,7 +32,7 @@ pub(super) struct Prediction {
 /// Deviations at which the odometer pulls with half its weight.
 const HALF_AT: f64 = 1.0;
 /// Scans that fit as well as this are where they were expected, whatever else they may fit.
-const SURE_FIT: f64 = 0.8;
+pub(super) const SURE_FIT: f64 = 0.8;
 /// Another heading must fit better by this.
 const CLEARLY_BETTER: f64 = 0.1;
 /// Headings that are tried, radians: neighbors run into the same minimum.
@@ -97,15 +97,16 @@ impl FrontEnd {
         let turned = (1..=HEADINGS_EACH_SIDE)
             .flat_map(|k| [k, -k])
             .map(|k| prediction.frame_from_base * pose2(0.0, 0.0, f64::from(k) * HEADING_STEP_RAD));
-        let others = turned.chain(prediction.without_odometer).filter_map(|frame_from_base| {
-            let expected = Expected {
-                reference_from_scan: frame_from_base,
-                information: known(atlas, off_m, HEADING_STEP_RAD),
-                half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
-                first_gate_m: FAR_GATE_M,
-            };
-            register(&self.table, scan, &expected, &atlas.settings.registration)
-        });
+        let others =
+            turned.chain(prediction.without_odometer.into_iter().flatten()).filter_map(|frame_from_base| {
+                let expected = Expected {
+                    reference_from_scan: frame_from_base,
+                    information: known(atlas, off_m, HEADING_STEP_RAD),
+                    half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
+                    first_gate_m: FAR_GATE_M,
+                };
+                register(&self.table, scan, &expected, &atlas.settings.registration)
+            });
         let best = others.max_by(|a, b| a.fit().total_cmp(&b.fit()));
         if fit(&best) > fit(&predicted) + CLEARLY_BETTER { best } else { predicted }
     }

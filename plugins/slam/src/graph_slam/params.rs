@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 
 /// Builds an occupancy grid and finds the robot in it, by a graph of key frames: scans are registered on each other, places
 /// that the robot comes back to are recognized, and all key frames are moved to where they agree best. The most accurate
-/// way to map a building; the pose may jump when a loop is closed. With or without an odometer.
+/// way to map a building; the pose may jump when a loop is closed. With or without an odometer; an inertial unit tells turns better than
+/// wheels do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GraphSlamParams {
@@ -133,7 +134,7 @@ impl Default for GraphSlamParams {
             max_range_m: 40.0,
             map_range_m: 20.0,
             clear_range_m: 0.0,
-            update_factor_free: 0.4,
+            update_factor_free: 0.45,
             update_factor_occupied: 0.9,
             min_points: 30,
             key_frame_every_m: 0.25,
