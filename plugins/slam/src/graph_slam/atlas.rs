@@ -19,6 +19,8 @@ pub(super) struct KeyFrame {
     pub base_from_sensor: Pose3,
     /// Its surfaces, seen from the base.
     pub surface: Vec<SurfacePoint>,
+    /// Its place was found by dead reckoning.
+    pub is_guessed: bool,
 }
 
 /// How key frames are tied together.
@@ -47,8 +49,10 @@ pub(super) struct TieSettings {
     pub kernel_c: f64,
 }
 
-/// What the odometer says is never doubted, only weak: ties by scans have robust kernels, and are known by them.
-const ODOMETER: RobustKernel = RobustKernel::Quadratic;
+/// Wheels spin, castors swing around, readings come late: what the odometer says is doubted where it is far off.
+const ODOMETER: RobustKernel = RobustKernel::Cauchy { c: 1.0 };
+/// Error of the odometer between two key frames beside that of the way, meters.
+const BETWEEN_FRAMES_M: f64 = 0.02;
 /// A turn of one radian is as long a way as this, meters.
 const TURN_AS_WAY_M: f64 = 0.5;
 
@@ -65,6 +69,11 @@ pub(super) struct Atlas {
     ways: Vec<Vec<(usize, f64)>>,
     table: NearestTable,
     table_of: Option<usize>,
+}
+
+/// The odometer binds a frame to the one before it; scans tie a frame to earlier ones.
+fn is_by_odometer(link: &Constraint) -> bool {
+    link.from.is_some_and(|from| from < link.to)
 }
 
 impl Clone for Atlas {
@@ -112,10 +121,11 @@ impl Atlas {
         self.frames.push(frame);
         self.ways.push(Vec::new());
         if let Some((before, before_from_base)) = before {
-            let [least_m, share_m, least_rad, share_rad] = self.settings.odometer;
+            let [_, share_m, least_rad, share_rad] = self.settings.odometer;
             let way_m = before_from_base.translation.vector.norm();
             let turn_rad = before_from_base.rotation.angle().abs();
-            let (off_m, off_rad) = (least_m + share_m * way_m, least_rad + share_rad * turn_rad);
+            let off_m = BETWEEN_FRAMES_M + share_m * way_m;
+            let off_rad = least_rad + share_rad * turn_rad;
             let diagonal = Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
             self.bind(before, node, before_from_base, Matrix3::from_diagonal(&diagonal), ODOMETER);
         }
@@ -197,8 +207,12 @@ impl Atlas {
             self.table_of = Some(frame);
         }
         let scan = &self.frames.get(other)?.surface;
-        let expected =
-            Expected { reference_from_scan: *expected, information: Matrix3::zeros(), first_gate_m };
+        let expected = Expected {
+            reference_from_scan: *expected,
+            information: Matrix3::zeros(),
+            half_at: 1.0,
+            first_gate_m,
+        };
         let found = register(&self.table, scan, &expected, &self.settings.registration)?;
         let off = expected.reference_from_scan.inverse() * found.reference_from_scan;
         let [most_m, most_rad] = self.settings.most_surprise;
@@ -266,10 +280,32 @@ impl Atlas {
         self.optimizer.optimize(&mut self.graph, &settings);
     }
 
+    /// Frames in a row have moved against each other by more than this since the graph was so, meters.
+    pub fn is_torn_since(&self, earlier: &PoseGraph, most_m: f64) -> bool {
+        let seen =
+            |graph: &PoseGraph, frame: usize| Some(graph.pose(frame)?.inverse() * graph.pose(frame + 1)?);
+        let torn_m = |frame| {
+            Some(
+                (seen(&self.graph, frame)?.translation.vector - seen(earlier, frame)?.translation.vector)
+                    .norm(),
+            )
+        };
+        (0..self.frames.len()).filter_map(torn_m).any(|torn_m| torn_m > most_m)
+    }
+
+    /// Forgets what was tied and moved since the graph was so.
+    pub fn take_back(&mut self, earlier: PoseGraph) {
+        self.graph = earlier;
+        self.ways.iter_mut().for_each(Vec::clear);
+        for constraint in self.graph.constraints().to_vec() {
+            self.add_way(&constraint);
+        }
+    }
+
     /// Registers all neighbors once more from where they are now, and optimizes.
     pub fn refine(&mut self, n_rounds: usize) {
         for _ in 0..n_rounds {
-            self.graph.retain(|link| link.kernel == ODOMETER);
+            self.graph.retain(is_by_odometer);
             self.tried.clear();
             for frame in 0..self.frames.len() {
                 let before = (frame.saturating_sub(self.settings.n_before)..frame).rev();

@@ -5,7 +5,7 @@ use super::nearest::NearestTable;
 use super::registration::{Expected, Registered, register};
 use super::surface::SurfacePoint;
 use nalgebra::{Matrix3, Vector3};
-use rumbo_core::frames::Pose2;
+use rumbo_core::frames::{Pose2, pose2};
 
 /// The surfaces around the robot, seen from its key frame.
 #[derive(Debug, Clone, Default)]
@@ -21,11 +21,25 @@ pub(super) struct FrontEnd {
 pub(super) struct Prediction {
     /// As seen from the key frame.
     pub frame_from_base: Pose2,
+    /// Where it would be if it had stayed, or moved as before, should the odometer be wrong; nobody knows after a gap.
+    pub without_odometer: Option<[Pose2; 2]>,
     /// Standard deviations of place and turn since the scan before, meters and radians.
     pub deviation: [f64; 2],
     /// Pairs may be so far apart at the beginning, meters.
     pub first_gate_m: f64,
 }
+
+/// Deviations at which the odometer pulls with half its weight.
+const HALF_AT: f64 = 1.0;
+/// Scans that fit as well as this are where they were expected, whatever else they may fit.
+pub(super) const SURE_FIT: f64 = 0.8;
+/// Another heading must fit better by this.
+const CLEARLY_BETTER: f64 = 0.1;
+/// Headings that are tried, radians: neighbors run into the same minimum.
+const HEADING_STEP_RAD: f64 = 6.0 * std::f64::consts::PI / 180.0;
+const HEADINGS_EACH_SIDE: i32 = 4;
+/// Pairs may be so far apart at the beginning, meters: what the table of nearest points knows.
+const FAR_GATE_M: f64 = 0.5;
 
 impl FrontEnd {
     /// Takes the surfaces of these frames.
@@ -43,17 +57,63 @@ impl FrontEnd {
     /// Registers a scan; nothing where it cannot be believed.
     pub fn place(&self, atlas: &Atlas, scan: &[SurfacePoint], prediction: &Prediction) -> Option<Registered> {
         let settings = &atlas.settings;
-        let [off_m, off_rad] = prediction.deviation;
-        let diagonal =
-            Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2)) / settings.believed_share;
-        let expected = Expected {
-            reference_from_scan: prediction.frame_from_base,
-            information: Matrix3::from_diagonal(&diagonal),
-            first_gate_m: prediction.first_gate_m,
-        };
-        let found = register(&self.table, scan, &expected, &settings.registration)?;
+        let found =
+            self.turned_more(atlas, scan, prediction, self.turned_as_predicted(atlas, scan, prediction))?;
         let is_believed =
             found.overlap >= settings.least_overlap && found.agreement >= settings.least_agreement;
         is_believed.then_some(found)
     }
+
+    fn turned_as_predicted(
+        &self,
+        atlas: &Atlas,
+        scan: &[SurfacePoint],
+        prediction: &Prediction,
+    ) -> Option<Registered> {
+        let [off_m, off_rad] = prediction.deviation;
+        let expected = Expected {
+            reference_from_scan: prediction.frame_from_base,
+            information: known(atlas, off_m, off_rad),
+            half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
+            first_gate_m: prediction.first_gate_m,
+        };
+        register(&self.table, scan, &expected, &atlas.settings.registration)
+    }
+
+    /// The robot may have turned by more than its odometer says: a castor that swings around, a push. Where a scan fits
+    /// badly, it is also tried from other headings; one of them is taken where it fits clearly better.
+    fn turned_more(
+        &self,
+        atlas: &Atlas,
+        scan: &[SurfacePoint],
+        prediction: &Prediction,
+        predicted: Option<Registered>,
+    ) -> Option<Registered> {
+        let fit = |found: &Option<Registered>| found.as_ref().map_or(0.0, Registered::fit);
+        if fit(&predicted) >= SURE_FIT {
+            return predicted;
+        }
+        let off_m = prediction.deviation[0];
+        let turned = (1..=HEADINGS_EACH_SIDE)
+            .flat_map(|k| [k, -k])
+            .map(|k| prediction.frame_from_base * pose2(0.0, 0.0, f64::from(k) * HEADING_STEP_RAD));
+        let others =
+            turned.chain(prediction.without_odometer.into_iter().flatten()).filter_map(|frame_from_base| {
+                let expected = Expected {
+                    reference_from_scan: frame_from_base,
+                    information: known(atlas, off_m, HEADING_STEP_RAD),
+                    half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
+                    first_gate_m: FAR_GATE_M,
+                };
+                register(&self.table, scan, &expected, &atlas.settings.registration)
+            });
+        let best = others.max_by(|a, b| a.fit().total_cmp(&b.fit()));
+        if fit(&best) > fit(&predicted) + CLEARLY_BETTER { best } else { predicted }
+    }
+}
+
+/// Information of what is known before looking, on the scale of that of all pairs.
+fn known(atlas: &Atlas, off_m: f64, off_rad: f64) -> Matrix3<f64> {
+    let diagonal = Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
+    Matrix3::from_diagonal(&(diagonal / atlas.settings.believed_share))
 }

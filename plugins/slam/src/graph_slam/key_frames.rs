@@ -7,6 +7,9 @@ use rumbo_core::frames::Pose2;
 /// After a loop so many frames are tied to neighbors that they could not trust before.
 const CATCH_UP: usize = 80;
 
+/// A loop that moves two frames in a row so far against each other is a false one, meters.
+const MOST_TORN_M: f64 = 0.5;
+
 impl Tracker {
     pub(super) fn is_key_frame(&self) -> bool {
         let [way_m, turn_rad] = self.settings.key_frame_every;
@@ -26,9 +29,10 @@ impl Tracker {
         self.odom_from_frame = odom_from_base;
         self.atlas.tie_neighbors(added);
         self.since_optimized += 1;
-        let has_loop = added % self.settings.look_for_loops_every == 0 && self.close_loop(added);
+        let looks = self.is_adrift || added % self.settings.look_for_loops_every == 0;
+        let has_loop = looks && self.close_loop(added);
         let due = self.settings.optimize_every.max((self.settings.optimize_share * added as f64) as usize);
-        if has_loop || self.since_optimized >= due {
+        if !has_loop && self.since_optimized >= due {
             self.optimize();
         }
         if has_loop {
@@ -47,8 +51,10 @@ impl Tracker {
         self.n_moves += 1;
     }
 
+    /// Ties a frame to where the robot has come back to and moves all frames accordingly, if it has.
     fn close_loop(&mut self, frame: usize) -> bool {
-        let Some(found) = self.search.close(&self.atlas, frame, &self.settings.loops) else { return false };
+        let settings = if self.is_adrift { self.settings.loops.wide() } else { self.settings.loops };
+        let Some(found) = self.search.close(&self.atlas, frame, &settings) else { return false };
         let place_from_map = self.atlas.pose(found.place).inverse();
         let mut near: Vec<(u64, usize)> = found
             .frames
@@ -59,6 +65,7 @@ impl Tracker {
             })
             .collect();
         near.sort_unstable();
+        let as_it_was = self.atlas.graph.clone();
         let mut n_ties = 0;
         for (_, other) in near {
             let expected = found.place_from_frame.inverse() * place_from_map * self.atlas.pose(other);
@@ -67,7 +74,16 @@ impl Tracker {
                 break;
             }
         }
-        self.n_loops += usize::from(n_ties > 0);
-        n_ties > 0
+        if n_ties == 0 {
+            return false;
+        }
+        self.optimize();
+        if self.atlas.is_torn_since(&as_it_was, MOST_TORN_M) {
+            self.atlas.take_back(as_it_was);
+            return false;
+        }
+        self.n_loops += 1;
+        self.is_adrift = false;
+        true
     }
 }

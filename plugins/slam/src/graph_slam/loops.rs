@@ -30,6 +30,14 @@ pub(super) struct LoopSettings {
     pub most_places: usize,
 }
 
+impl LoopSettings {
+    /// For a robot that has come a long way by dead reckoning.
+    pub fn wide(&self) -> LoopSettings {
+        let reach_rad = (2.0 * self.reach_rad).min(std::f64::consts::PI);
+        LoopSettings { drift_share: 2.0 * self.drift_share, reach_rad, ..*self }
+    }
+}
+
 /// Edge of the cells that are laid on each other, meters.
 const RESOLUTION_M: f64 = 0.1;
 /// How near a point must lie to fit, meters.
@@ -177,6 +185,7 @@ impl LoopSearch {
         let expected = Expected {
             reference_from_scan: grid_from_place.inverse() * best.grid_from_base,
             information: Matrix3::zeros(),
+            half_at: 1.0,
             first_gate_m: 0.4,
         };
         let found = register(&self.table, lately, &expected, &atlas.settings.registration)?;
@@ -190,9 +199,12 @@ impl LoopSearch {
     }
 }
 
-/// What the last frames saw, from the last of them, thinned.
+/// What the last frames saw, from the last of them, thinned; no frames from before the robot had to guess.
 fn lately(atlas: &Atlas, frame: usize, n_frames: usize) -> Vec<SurfacePoint> {
-    thinned(atlas.surfaces((frame + 1).saturating_sub(n_frames)..frame + 1, frame))
+    let is_guessed = |other: &usize| atlas.frames.get(*other).is_some_and(|other| other.is_guessed);
+    let oldest = (frame + 1).saturating_sub(n_frames);
+    let first = (oldest..=frame).rev().find(is_guessed).unwrap_or(oldest);
+    thinned(atlas.surfaces(first..frame + 1, frame))
 }
 
 /// One point a small square.

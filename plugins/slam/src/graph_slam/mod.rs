@@ -7,6 +7,7 @@
 
 mod atlas;
 mod front_end;
+mod gyro;
 mod key_frames;
 mod loops;
 mod nearest;

@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 
 /// Builds an occupancy grid and finds the robot in it, by a graph of key frames: scans are registered on each other, places
 /// that the robot comes back to are recognized, and all key frames are moved to where they agree best. The most accurate
-/// way to map a building; the pose may jump when a loop is closed. With or without an odometer.
+/// way to map a building; the pose may jump when a loop is closed. With or without an odometer; an inertial unit tells turns better than
+/// wheels do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GraphSlamParams {
@@ -58,7 +59,7 @@ pub struct GraphSlamParams {
     pub least_overlap: f64,
     /// How well these must agree, 0 to 1.
     pub least_agreement: f64,
-    /// Error of the odometer: at least, meters.
+    /// Error of the odometer from one scan to the next: at least, meters. Scans overrule it where they know better.
     pub odometer_least_m: f64,
     /// Its error as a share of the way.
     pub odometer_share: f64,
@@ -113,14 +114,14 @@ impl Default for LoopParams {
         LoopParams {
             every: 4,
             trusted_way_m: 15.0,
-            drift_share: 0.03,
+            drift_share: 0.06,
             least_reach_m: 1.0,
-            most_reach_m: 8.0,
+            most_reach_m: 20.0,
             reach_deg: 30.0,
             least_score: 0.55,
             most_rival: 0.9,
-            lately: 8,
-            places: 3,
+            lately: 16,
+            places: 8,
         }
     }
 }
@@ -133,7 +134,7 @@ impl Default for GraphSlamParams {
             max_range_m: 40.0,
             map_range_m: 20.0,
             clear_range_m: 0.0,
-            update_factor_free: 0.4,
+            update_factor_free: 0.45,
             update_factor_occupied: 0.9,
             min_points: 30,
             key_frame_every_m: 0.25,
@@ -148,8 +149,8 @@ impl Default for GraphSlamParams {
             believed_share: 0.05,
             least_overlap: 0.4,
             least_agreement: 0.35,
-            odometer_least_m: 0.05,
-            odometer_share: 1.0,
+            odometer_least_m: 0.1,
+            odometer_share: 0.1,
             odometer_least_deg: 2.0,
             odometer_turn_share: 0.5,
             kernel_deviations: 3.0,

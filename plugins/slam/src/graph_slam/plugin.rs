@@ -3,9 +3,9 @@
 use super::params::GraphSlamParams;
 use super::saved;
 use super::sheet::{Sheet, SheetSettings};
-use super::tracker::{Fit, Tracker, TrackerSettings};
+use super::tracker::{BLIND_AFTER_S, Fit, Tracker, TrackerSettings};
 use nalgebra::Matrix3;
-use rumbo_core::frames::{Point2, Pose2};
+use rumbo_core::frames::{Point2, Pose2, is_finite3};
 use rumbo_core::map::{Layer, Map};
 use rumbo_core::messages::{Check, Data, Estimate, ObservationKind, Prior, Seen, StampedPose, Status};
 use rumbo_core::registry::{Manifest, Plugin};
@@ -37,19 +37,23 @@ impl GraphSlam {
     }
 
     fn take(&mut self, seen: Seen<'_>) {
-        // The odometer first: a scan may have come before the reading after it.
+        // Odometer and gyroscope first: a scan may have come before the reading after it.
         for observation in seen.iter().filter(|observation| observation.valid) {
-            if let Data::Odometry(odometry) = &observation.data {
-                match odometry.check() {
-                    Ok(()) => {
-                        self.tracker.odometry.push(observation.stamp, odometry.odom_from_base);
-                    }
-                    Err(_) => self.refused += 1,
+            match &observation.data {
+                Data::Odometry(odometry) if odometry.check().is_ok() => {
+                    self.tracker.odometry.push(observation.stamp, odometry.odom_from_base);
                 }
+                Data::Imu(imu) if imu.check().is_ok() && is_finite3(&observation.base_from_sensor) => {
+                    let rates = nalgebra::Vector3::from(imu.rates_rad_s);
+                    let rate_rad_s = (observation.base_from_sensor.rotation * rates).z;
+                    self.tracker.gyro.take(observation.stamp, rate_rad_s);
+                }
+                Data::Odometry(_) | Data::Imu(_) => self.refused += 1,
+                _ => {}
             }
         }
         for (observation, scan) in seen.laser_scans().filter(|(observation, _)| observation.valid) {
-            if scan.check().is_err() || !rumbo_core::frames::is_finite3(&observation.base_from_sensor) {
+            if scan.check().is_err() || !is_finite3(&observation.base_from_sensor) {
                 self.refused += 1;
                 continue;
             }
@@ -88,7 +92,10 @@ impl GraphSlam {
         };
         let mut estimate = Estimate::planar(stamp, pose, odom_from_base, covariance);
         estimate.status = match tracker.fit {
-            Fit::Placed => Status::Tracking,
+            Fit::Placed if !tracker.is_adrift && (stamp - before.stamp).as_secs() <= BLIND_AFTER_S => {
+                Status::Tracking
+            }
+            Fit::Placed => Status::Converging,
             Fit::Guessed => Status::Converging,
             Fit::Lost => Status::Lost,
         };
@@ -178,7 +185,7 @@ impl Plugin<dyn Slam> for GraphSlamParams {
         Manifest {
             gives_layers: vec![Layer::Grid],
             consumes: vec![vec![ObservationKind::LaserScan]],
-            uses: vec![ObservationKind::Odometry],
+            uses: vec![ObservationKind::Odometry, ObservationKind::Imu],
             ..Manifest::default()
         }
     }

@@ -32,6 +32,9 @@ pub(super) struct Expected {
     pub reference_from_scan: Pose2,
     /// How surely, in the reference's axes; zero where nothing shall pull it there.
     pub information: Matrix3<f64>,
+    /// Squared error, in units of that information, at which it pulls with half its weight: what is expected may be
+    /// quite wrong.
+    pub half_at: f64,
     /// Pairs may be so far apart at the beginning, meters.
     pub first_gate_m: f64,
 }
@@ -49,6 +52,13 @@ pub(super) struct Registered {
     pub agreement: f64,
     /// Number of pairs.
     pub n_pairs: usize,
+}
+
+impl Registered {
+    /// How well the scan lies on the reference: share of its points that agree, 0 to 1.
+    pub fn fit(&self) -> f64 {
+        self.overlap * self.agreement
+    }
 }
 
 const MOST_ROUNDS: usize = 25;
@@ -70,8 +80,9 @@ pub(super) fn register(
         let pull = Pull::at(reference, scan, &pose, gate_m, settings);
         let mut off = pose - start;
         off.z = wrap_angle(off.z);
-        let hessian = pull.hessian + expected.information;
-        let gradient = pull.gradient + expected.information * off;
+        let back = expected.information / (1.0 + off.dot(&(expected.information * off)) / expected.half_at);
+        let hessian = pull.hessian + back;
+        let gradient = pull.gradient + back * off;
         let damped = hessian + Matrix3::from_diagonal(&(hessian.diagonal() * 1e-6).add_scalar(1e-3));
         let step = -(damped.cholesky()?.solve(&gradient));
         if !step.iter().all(|v| v.is_finite()) || pull.n_pairs < 3 {

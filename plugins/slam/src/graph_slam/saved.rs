@@ -1,6 +1,7 @@
 //! The whole state as bytes, to go on from later.
 
 use super::atlas::{Atlas, KeyFrame};
+use super::gyro::{Gyro, Heading};
 use super::surface::surface_of;
 use super::tracker::{Before, Fit, Track, Tracker, TrackerSettings};
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion};
@@ -10,7 +11,7 @@ use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::time::Time;
 use rumbo_kit::pose_graph::{Constraint, RobustKernel};
 
-const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 1 };
+const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 2 };
 
 /// Everything that the next scan depends on.
 pub(super) fn write(tracker: &Tracker) -> Vec<u8> {
@@ -49,6 +50,10 @@ fn put_robot(to: &mut Vec<u8>, tracker: &Tracker) {
     put_some(to, tracker.before.as_ref(), |to, before| {
         to.extend(before.stamp.0.to_le_bytes());
         put_some(to, before.odom_from_base.as_ref(), put_pose);
+        put_some(to, before.heading.as_ref(), |to, heading| {
+            put_count(to, heading.run as usize);
+            put_pose(to, &heading.turn);
+        });
         put_pose(to, &before.motion);
         to.extend(before.seconds.to_le_bytes());
     });
@@ -56,6 +61,14 @@ fn put_robot(to: &mut Vec<u8>, tracker: &Tracker) {
         to.extend(stamp.0.to_le_bytes());
         put_pose(to, pose);
     });
+    let (run, newest) = tracker.gyro.newest();
+    put_count(to, run as usize);
+    put_some(to, newest.as_ref(), |to, (stamp, turn)| {
+        to.extend(stamp.0.to_le_bytes());
+        put_pose(to, turn);
+    });
+    put_count(to, usize::from(tracker.is_adrift));
+    put_some(to, tracker.saw_at.as_ref(), |to, stamp| to.extend(stamp.0.to_le_bytes()));
     put_count(to, tracker.fit as usize);
     put_count(to, tracker.n_missed as usize);
     put_count(to, tracker.since_optimized);
@@ -127,11 +140,17 @@ fn robot(from: &mut Reader<'_>, tracker: &mut Tracker) -> Option<()> {
     tracker.before = some(from, |from| {
         let stamp = Time(from.i64()?);
         let odom_from_base = some(from, pose)?;
-        Some(Before { stamp, odom_from_base, motion: pose(from)?, seconds: from.f64()? })
+        let heading = some(from, |from| Some(Heading { run: from.u32()?, turn: pose(from)? }))?;
+        Some(Before { stamp, odom_from_base, heading, motion: pose(from)?, seconds: from.f64()? })
     })?;
     if let Some((stamp, odom)) = some(from, |from| Some((Time(from.i64()?), pose(from)?)))? {
         tracker.odometry.push(stamp, odom);
     }
+    let run = from.u32()?;
+    let newest = some(from, |from| Some((Time(from.i64()?), pose(from)?)))?;
+    tracker.gyro = Gyro::go_on(run, newest);
+    tracker.is_adrift = count(from)? != 0;
+    tracker.saw_at = some(from, |from| Some(Time(from.i64()?)))?;
     tracker.fit = match count(from)? {
         0 => Fit::Placed,
         1 => Fit::Guessed,
@@ -172,6 +191,7 @@ fn put_frame(to: &mut Vec<u8>, frame: &KeyFrame) {
     scan.ranges_m.iter().for_each(|range| to.extend(range.to_le_bytes()));
     put_numbers(to, frame.base_from_sensor.translation.vector.iter());
     put_numbers(to, frame.base_from_sensor.rotation.coords.iter());
+    put_count(to, usize::from(frame.is_guessed));
 }
 
 fn put_constraint(to: &mut Vec<u8>, link: &Constraint) {
@@ -229,8 +249,9 @@ fn frame(from: &mut Reader<'_>) -> Option<KeyFrame> {
     let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
     let base_from_sensor = Pose3::from_parts(Translation3::new(x, y, z), rotation);
     let is_turn = (rotation.coords.norm() - 1.0).abs() < 1e-6;
+    let is_guessed = count(from)? != 0;
     let fits = scan.check().is_ok() && is_finite3(&base_from_sensor) && is_turn;
-    fits.then(|| KeyFrame { scan, base_from_sensor, surface: Vec::new() })
+    fits.then(|| KeyFrame { scan, base_from_sensor, surface: Vec::new(), is_guessed })
 }
 
 fn constraint(from: &mut Reader<'_>) -> Option<Constraint> {

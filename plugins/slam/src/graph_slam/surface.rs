@@ -63,9 +63,12 @@ pub(super) struct SurfaceLimits {
 
 /// Beams to each side that tell the direction of a surface at most.
 const MOST_NEIGHBORS: usize = 8;
+/// A surface reaches so many times what two beams are apart on a wall seen straight on, if that is more: far along a
+/// corridor beams meet the walls at a slant, and points with fewer than three on their surface tell no direction.
+const REACH_BEAMS: f32 = 15.0;
 /// Neighbors farther apart than so many times what their beams would be on a wall seen straight on are parts of
 /// different things.
-const STEEPEST: f32 = 6.0;
+const STEEPEST: f32 = 15.0;
 
 /// The points of a scan in the base frame; roll and pitch of the sensor count.
 pub(super) fn surface_of(
@@ -116,7 +119,7 @@ fn normal_at(
 ) -> [f32; 2] {
     let mut sums = Sums::default();
     sums.add([0.0; 2]);
-    let reach_m = (limits.window_m as f32).max(2.5 * step_rad * range_m);
+    let reach_m = (limits.window_m as f32).max(REACH_BEAMS * step_rad * range_m);
     let before = placed.get(..idx).unwrap_or_default().iter().rev().take(MOST_NEIGHBORS);
     let after = placed.get(idx + 1..).unwrap_or_default().iter().take(MOST_NEIGHBORS);
     let mut walk = |neighbors: &mut dyn Iterator<Item = &Option<([f32; 2], f32)>>| {

@@ -2,4 +2,5 @@
 
 mod building;
 mod drives;
+mod hard_places;
 mod pieces;

@@ -1,10 +1,11 @@
 //! One scan after the other: the robot's place, key frames, loops.
 
 use super::atlas::{Atlas, KeyFrame, TieSettings};
-use super::front_end::{FrontEnd, Prediction};
+use super::front_end::{FrontEnd, Prediction, SURE_FIT};
+use super::gyro::{Gyro, Heading};
 use super::loops::{LoopSearch, LoopSettings, frames_of, thinned};
 use super::surface::{SurfaceLimits, SurfacePoint, surface_of};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, UnitComplex};
 use rumbo_core::frames::{Pose2, Pose3, interpolate2, lift};
 use rumbo_core::messages::{LaserScan, StampedPose};
 use rumbo_core::time::Time;
@@ -57,6 +58,7 @@ pub(super) struct Track {
 pub(super) struct Before {
     pub stamp: Time,
     pub odom_from_base: Option<Pose2>,
+    pub heading: Option<Heading>,
     /// Motion from the scan before that, for robots without an odometer.
     pub motion: Pose2,
     pub seconds: f64,
@@ -78,6 +80,11 @@ pub(super) struct Tracker {
     pub front: FrontEnd,
     pub search: LoopSearch,
     pub odometry: OdometryHistory,
+    pub gyro: Gyro,
+    /// It has come here without scans, and has met nothing since that it knew before.
+    pub is_adrift: bool,
+    /// When a scan last had enough points.
+    pub saw_at: Option<Time>,
     pub before: Option<Before>,
     pub frame_from_base: Pose2,
     /// The odometer at the newest key frame.
@@ -97,6 +104,16 @@ pub(super) struct Tracker {
 /// Errors of a guess without an odometer, shares of the gap between two scans.
 const GUESS_M_S: f64 = 1.0;
 const GUESS_RAD_S: f64 = 1.0;
+/// After so long without a scan the odometer is all there is, seconds.
+pub(super) const BLIND_AFTER_S: f64 = 1.0;
+/// Dead reckoning that may be farther off has nothing to be registered on, meters.
+const MOST_OFF_M: f64 = 0.5;
+/// A robot whose scans fit no better than this for some time is somewhere else.
+const POOR_FIT: f64 = 0.6;
+/// So many scans in a row may fit badly before it takes a good one to be sure again.
+const MISSED_BY_CHANCE: u32 = 2;
+/// Errors of a turn by the gyroscope: at least, radians; a drift, rad/s; and a share of the turn.
+const GYRO: [f64; 3] = [0.01, 0.01, 0.02];
 /// Lost robots look for themselves every so many scans.
 const LOOK_EVERY: u32 = 10;
 
@@ -108,6 +125,9 @@ impl Tracker {
             front: FrontEnd::default(),
             search: LoopSearch::default(),
             odometry: OdometryHistory::default(),
+            gyro: Gyro::default(),
+            is_adrift: false,
+            saw_at: None,
             before: None,
             frame_from_base: first_pose,
             odom_from_frame: None,
@@ -145,8 +165,19 @@ impl Tracker {
         self.place(&surface, &prediction);
         self.remember(stamp, &last);
         let has_points = surface.len() >= self.settings.min_points;
-        if self.fit != Fit::Lost && has_points && self.is_key_frame() {
-            let frame = KeyFrame { scan: scan.clone(), base_from_sensor: *base_from_sensor, surface };
+        let was_blind = self.saw_at.is_none_or(|seen| (stamp - seen).as_secs() > BLIND_AFTER_S);
+        if has_points {
+            self.saw_at = Some(stamp);
+        }
+        // Where a scan suddenly fits nowhere, the robot may have been carried away: no place for a key frame.
+        let may_add = self.fit == Fit::Placed || self.fit == Fit::Guessed && was_blind;
+        if may_add && has_points && self.is_key_frame() {
+            let frame = KeyFrame {
+                scan: scan.clone(),
+                base_from_sensor: *base_from_sensor,
+                surface,
+                is_guessed: self.fit == Fit::Guessed,
+            };
             self.add_key_frame(frame);
         }
         if self.fit != Fit::Lost {
@@ -160,30 +191,42 @@ impl Tracker {
             let off_m = deviation.x.max(deviation.y).max(1e-3);
             let first_gate_m = (2.0 * off_m).clamp(0.3, 0.5);
             let deviation = [off_m, deviation.z.max(1e-3)];
-            return Prediction { frame_from_base: self.frame_from_base, deviation, first_gate_m };
+            let here = self.frame_from_base;
+            return Prediction { frame_from_base: here, without_odometer: None, deviation, first_gate_m };
         };
         let seconds = (stamp - before.stamp).as_secs();
         let odom_from_base = self.odom_at(stamp);
         let [least_m, share_m, least_rad, share_rad] = self.settings.tie.odometer;
-        let (motion, deviation) = match (before.odom_from_base, odom_from_base) {
+        let share = if before.seconds > 0.0 { (seconds / before.seconds).min(3.0) } else { 0.0 };
+        let as_before = interpolate2(&Pose2::identity(), &before.motion, share);
+        let (mut motion, mut deviation) = match (before.odom_from_base, odom_from_base) {
             (Some(last), Some(now)) => {
                 let motion = last.inverse() * now;
                 let off_m = least_m + share_m * motion.translation.vector.norm();
                 (motion, [off_m, least_rad + share_rad * motion.rotation.angle().abs()])
             }
-            _ => {
-                let share = if before.seconds > 0.0 { (seconds / before.seconds).min(3.0) } else { 0.0 };
-                let motion = interpolate2(&Pose2::identity(), &before.motion, share);
-                (motion, [least_m + GUESS_M_S * seconds, least_rad + GUESS_RAD_S * seconds])
-            }
+            _ => (as_before, [least_m + GUESS_M_S * seconds, least_rad + GUESS_RAD_S * seconds]),
         };
+        let heading = self.heading_at(stamp).zip(before.heading);
+        if let Some(turn_rad) = heading.and_then(|(now, then)| now.since(&then)) {
+            motion.rotation = UnitComplex::new(turn_rad);
+            let [least_rad, drift_rad_s, share] = GYRO;
+            deviation[1] = least_rad + drift_rad_s * seconds + share * turn_rad.abs();
+        }
         let first_gate_m = (2.0 * deviation[0] + 10.0 * deviation[1]).clamp(0.3, 0.5);
-        Prediction { frame_from_base: self.frame_from_base * motion, deviation, first_gate_m }
+        let here = self.frame_from_base;
+        let without_odometer = (seconds <= BLIND_AFTER_S).then(|| [here, here * as_before]);
+        Prediction { frame_from_base: here * motion, without_odometer, deviation, first_gate_m }
     }
 
     /// The odometer at a time, as well as it is known yet.
     pub fn odom_at(&self, stamp: Time) -> Option<Pose2> {
         self.odometry.at(stamp).or_else(|| self.odometry.newest().map(|(_, pose)| pose))
+    }
+
+    fn heading_at(&self, stamp: Time) -> Option<Heading> {
+        let newest = || self.gyro.newest().1.and_then(|(newest, _)| self.gyro.at(newest));
+        self.gyro.at(stamp).or_else(newest)
     }
 
     fn place(&mut self, surface: &[SurfacePoint], prediction: &Prediction) {
@@ -198,7 +241,10 @@ impl Tracker {
         }
         // A lost robot would take the next best corridor for the one that it remembers.
         let is_lost = self.fit == Fit::Lost;
-        let found = if is_lost { None } else { self.front.place(&self.atlas, surface, prediction) };
+        // Nor is what was seen before a long way without scans any help.
+        let is_far = prediction.deviation[0] > MOST_OFF_M;
+        self.is_adrift |= is_far;
+        let found = if is_lost || is_far { None } else { self.front.place(&self.atlas, surface, prediction) };
         if let Some(found) = found {
             self.frame_from_base = found.reference_from_scan;
             let information = found.information * self.settings.tie.believed_share;
@@ -206,12 +252,18 @@ impl Tracker {
             let known = nalgebra::Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
             let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
             self.covariance = inverse.unwrap_or(self.covariance);
-            self.fit = Fit::Placed;
-            self.n_missed = 0;
-            return;
+            // A robot that was carried away must not settle where it fits least badly.
+            let least_fit = if self.n_missed > MISSED_BY_CHANCE { SURE_FIT } else { POOR_FIT };
+            if found.fit() >= least_fit {
+                self.fit = Fit::Placed;
+                self.n_missed = 0;
+                return;
+            }
+            self.fit = Fit::Guessed;
+        } else {
+            self.left_out.unplaced += 1;
+            self.guess(prediction);
         }
-        self.left_out.unplaced += 1;
-        self.guess(prediction);
         self.n_missed += 1;
         if self.n_missed >= self.settings.lost_after_scans {
             self.fit = Fit::Lost;
@@ -237,7 +289,7 @@ impl Tracker {
             return false;
         };
         self.stand(found.place, found.place_from_frame, &found.frames);
-        (self.fit, self.n_missed) = (Fit::Placed, 0);
+        (self.fit, self.n_missed, self.is_adrift) = (Fit::Placed, 0, false);
         true
     }
 
@@ -249,18 +301,18 @@ impl Tracker {
     }
 
     fn remember(&mut self, stamp: Time, last: &Pose2) {
-        let odom_from_base = self.odom_at(stamp);
+        let (odom_from_base, heading) = (self.odom_at(stamp), self.heading_at(stamp));
         let seconds = self.before.map_or(0.0, |before| (stamp - before.stamp).as_secs());
         let motion =
             if self.before.is_some() { last.inverse() * self.frame_from_base } else { Pose2::identity() };
-        self.before = Some(Before { stamp, odom_from_base, motion, seconds });
+        self.before = Some(Before { stamp, odom_from_base, heading, motion, seconds });
     }
 
     /// Somebody put the robot here; its odometer and its clock may have begun anew.
     pub fn carry_to(&mut self, map_from_base: &Pose2, covariance: &Matrix3<f64>) {
         self.forget_motion();
         self.covariance = *covariance;
-        (self.fit, self.n_missed) = (Fit::Guessed, 0);
+        (self.fit, self.n_missed, self.is_adrift) = (Fit::Guessed, 0, false);
         let off_m = |frame: &usize| {
             let off = self.atlas.pose(*frame).translation.vector - map_from_base.translation.vector;
             (off.norm() * 1e6) as u64
@@ -284,6 +336,8 @@ impl Tracker {
         self.before = None;
         self.odom_from_frame = None;
         self.odometry.clear();
+        self.gyro.begin_anew();
+        self.saw_at = None;
     }
 
     /// Where the robot was at all scans, after everything was registered once more.

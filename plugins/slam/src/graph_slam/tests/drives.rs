@@ -11,21 +11,21 @@ use rumbo_core::stages::{BuildContext, Cx, Slam, SlamError};
 use rumbo_core::time::Time;
 use rumbo_core::trace::Trace;
 
-fn built(params: &GraphSlamParams) -> Box<dyn Slam> {
+pub fn built(params: &GraphSlamParams) -> Box<dyn Slam> {
     assert_eq!(params.check(), []);
     params.build(&BuildContext::bare("slam")).unwrap()
 }
 
-fn at(map_from_base: Pose2) -> Prior {
+pub fn at(map_from_base: Pose2) -> Prior {
     Prior::Pose { map_from_base, odom_from_base: Pose2::identity(), covariance: Matrix3::identity() * 1e-6 }
 }
 
-fn step(slam: &mut dyn Slam, map: &mut Map, seen: &[Observation]) -> Estimate {
+pub fn step(slam: &mut dyn Slam, map: &mut Map, seen: &[Observation]) -> Estimate {
     let now = seen.last().map_or(Time::ZERO, |observation| observation.stamp);
     slam.update(&mut Cx { now, trace: &Trace::unwatched() }, Seen::sorted(seen), map).unwrap()
 }
 
-fn off_m(a: &Pose2, b: &Pose2) -> f64 {
+pub fn off_m(a: &Pose2, b: &Pose2) -> f64 {
     (a.translation.vector - b.translation.vector).norm()
 }
 

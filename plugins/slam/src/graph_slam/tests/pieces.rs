@@ -24,7 +24,7 @@ fn table(scan: &LaserScan) -> NearestTable {
 }
 
 fn expected(reference_from_scan: Pose2) -> Expected {
-    Expected { reference_from_scan, information: Matrix3::zeros(), first_gate_m: 0.5 }
+    Expected { reference_from_scan, information: Matrix3::zeros(), half_at: 1.0, first_gate_m: 0.5 }
 }
 
 #[test]
