@@ -1,0 +1,300 @@
+//! Follows the robot from scan to scan in the best map, and decides when the filter takes one in.
+
+mod estimate;
+mod odometer;
+
+use super::diary::Diary;
+use super::filter::{Filter, Outcome};
+use super::motion::Step;
+use super::particle::{KeyScan, matched, prior_of};
+use super::proposal::coordinates;
+use super::settings::TrackerSettings;
+use nalgebra::{Matrix3, Vector3};
+use odometer::Odometer;
+use rumbo_core::frames::{Pose2, pose2};
+use rumbo_core::messages::{Check, Data, LaserScan, Observation, Seen, StampedPose};
+use rumbo_core::time::Time;
+use rumbo_kit::scan_match::{MatchStatus, ScanPoints};
+use rumbo_kit::streams::Streams;
+use rumbo_kit::turn_way_turn::noisy;
+use std::collections::VecDeque;
+
+/// What was left out or went wrong, and how often.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counters {
+    /// Scans that were used.
+    pub scans: u64,
+    /// Scans that were late, came twice, or could not be read.
+    pub scans_dropped: u64,
+    /// Scans that matched nothing.
+    pub unmatched: u64,
+    /// Scans that do not see every direction.
+    pub degenerate: u64,
+    /// Scans that the filter took in.
+    pub updates: u64,
+    /// Times that particles were drawn anew.
+    pub resampled: u64,
+    /// Times that no particle had any weight.
+    pub without_weight: u64,
+    /// Readings of the odometer that were late or no numbers.
+    pub odometry_dropped: u64,
+    /// Jumps of the odometer.
+    pub odometry_jumps: u64,
+}
+
+/// A robot that maps where it goes.
+#[derive(Debug)]
+pub struct Tracker {
+    pub(super) settings: TrackerSettings,
+    pub(super) filter: Filter,
+    pub(super) diary: Diary,
+    pub(super) odometer: Odometer,
+    pub(super) counters: Counters,
+    pub(super) is_started: bool,
+    /// It goes on from a saved state, and nothing has been seen since.
+    pub(super) is_resumed: bool,
+    /// The last scan.
+    pub(super) stamp: Option<Time>,
+    /// When the filter took in a scan last.
+    pub(super) step_stamp: Time,
+    /// The robot at the last scan, seen from that step, as it was followed.
+    pub(super) step_from_base: Pose2,
+    /// The same as the odometer has it.
+    pub(super) since_step: Step,
+    /// Covariance of the last match.
+    pub(super) covariance: Matrix3<f64>,
+    /// Scans in a row that matched nothing.
+    pub(super) n_unmatched: u32,
+    /// Way since the last match, meters.
+    pub(super) way_unmatched_m: f64,
+    points: ScanPoints,
+    waiting: VecDeque<Observation>,
+}
+
+/// Scans that wait for the odometer at most; then the oldest are dropped.
+const MOST_WAITING: usize = 50;
+impl Tracker {
+    /// Not started yet.
+    pub fn new(settings: TrackerSettings, streams: Streams) -> Tracker {
+        Tracker {
+            filter: Filter::new(settings.filter.clone(), streams),
+            diary: Diary::default(),
+            odometer: Odometer::new(settings.max_odom_jump_m),
+            counters: Counters::default(),
+            is_started: false,
+            is_resumed: false,
+            stamp: None,
+            step_stamp: Time::default(),
+            step_from_base: Pose2::identity(),
+            since_step: Step::default(),
+            covariance: Matrix3::zeros(),
+            n_unmatched: 0,
+            way_unmatched_m: 0.0,
+            points: ScanPoints::default(),
+            waiting: VecDeque::new(),
+            settings,
+        }
+    }
+
+    /// Begins anew at a pose.
+    pub fn start(&mut self, map_from_base: &Pose2, covariance: &Matrix3<f64>) {
+        self.filter.begin(map_from_base);
+        self.diary = Diary::default();
+        self.odometer = Odometer::new(self.settings.max_odom_jump_m);
+        (self.counters, self.is_started, self.stamp) = (Counters::default(), true, None);
+        (self.step_stamp, self.step_from_base) = (Time::default(), Pose2::identity());
+        (self.since_step, self.covariance) = (Step::default(), *covariance);
+        (self.n_unmatched, self.way_unmatched_m) = (0, 0.0);
+        self.is_resumed = false;
+        self.waiting.clear();
+    }
+
+    /// The robot is about there in the map that was made so far, wherever it was before.
+    pub fn relocate(&mut self, map_from_base: &Pose2, covariance: &Matrix3<f64>) {
+        let root = covariance.cholesky().map_or_else(Matrix3::zeros, |factor| factor.l());
+        let at = coordinates(map_from_base);
+        let mut is_first = true;
+        self.filter.place(|rng| {
+            let drawn = at + root * Vector3::from(noisy([0.0; 3], [1.0; 3], rng));
+            let place = if is_first { at } else { drawn };
+            is_first = false;
+            pose2(place.x, place.y, place.z)
+        });
+        let deviation = |k: usize| covariance[(k, k)].max(0.0);
+        self.step_from_base = Pose2::identity();
+        self.since_step = Step { stray: [deviation(0).max(deviation(1)), deviation(2)], ..Step::default() };
+        (self.covariance, self.n_unmatched, self.way_unmatched_m) = (*covariance, 0, 0.0);
+        self.odometer.forget_velocity();
+    }
+
+    /// Its numbers.
+    pub fn settings(&self) -> &TrackerSettings {
+        &self.settings
+    }
+
+    /// The filter.
+    pub fn filter(&self) -> &Filter {
+        &self.filter
+    }
+
+    /// What went wrong.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// Whether `start` was called.
+    pub fn is_started(&self) -> bool {
+        self.is_started
+    }
+
+    /// The robot at all scans, as the best particle has it now.
+    pub fn trajectory(&self) -> Vec<StampedPose> {
+        self.diary.trajectory(&self.filter.lineage().way_of(self.filter.best_index()))
+    }
+
+    /// Takes in everything that was seen, and says whether the filter took in a scan.
+    pub fn update(&mut self, now: Time, seen: Seen<'_>) -> bool {
+        let mut is_new = false;
+        if let Some(first) = seen.iter().next().filter(|_| self.is_resumed) {
+            self.is_resumed = false;
+            if self.stamp.is_some_and(|last| first.stamp <= last) {
+                self.begin_clock_anew();
+            }
+        }
+        for observation in seen.iter().filter(|observation| observation.valid && observation.stamp <= now) {
+            match &observation.data {
+                Data::Odometry(odometry) => {
+                    self.odometer.take(observation.stamp, odometry, &mut self.counters)
+                }
+                Data::LaserScan(_) => self.queue(observation),
+                _ => {}
+            }
+        }
+        while let Some(observation) = self.next_scan(now) {
+            if let Data::LaserScan(scan) = &observation.data {
+                is_new |= self.take_scan(&observation, scan);
+            }
+        }
+        is_new
+    }
+
+    /// After a resume the clock may be another one, and then the odometer is too. The map stays, and the robot is where it was.
+    fn begin_clock_anew(&mut self) {
+        self.stamp = None;
+        self.diary.begin_clock_anew();
+        self.odometer.begin_anew();
+    }
+
+    fn queue(&mut self, observation: &Observation) {
+        let newest = self.waiting.back().map(|last| last.stamp).or(self.stamp);
+        let is_late = newest.is_some_and(|newest| observation.stamp <= newest);
+        if is_late || observation.check().is_err() {
+            self.counters.scans_dropped += 1;
+            return;
+        }
+        self.waiting.push_back(observation.clone());
+        if self.waiting.len() > MOST_WAITING {
+            self.waiting.pop_front();
+            self.counters.scans_dropped += 1;
+        }
+    }
+
+    /// The oldest scan for whose time the odometer has spoken, or will not.
+    fn next_scan(&mut self, now: Time) -> Option<Observation> {
+        let stamp = self.waiting.front()?.stamp;
+        if self.odometer.is_ready(stamp, now) { self.waiting.pop_front() } else { None }
+    }
+
+    fn take_scan(&mut self, observation: &Observation, scan: &LaserScan) -> bool {
+        let stamp = observation.stamp;
+        let step = self.odometer.step_to(stamp, self.stamp);
+        self.counters.scans += 1;
+        self.filter.settings().preparation.prepare(scan, &observation.base_from_sensor, &mut self.points);
+        self.since_step = self.since_step.then(&step);
+        let before = self.step_from_base;
+        self.step_from_base *= step.before_from_after;
+        self.way_unmatched_m += step.before_from_after.translation.vector.norm();
+        let is_due = self.is_due(stamp) && !(self.filter.lineage().is_empty() && self.points.is_empty());
+        if is_due {
+            self.take_step(observation, scan);
+        } else {
+            self.follow(&before, &step);
+            self.diary.note(stamp, &self.step_from_base);
+        }
+        if let Some(last) = self.stamp {
+            let moved = if is_due { step.before_from_after } else { before.inverse() * self.step_from_base };
+            self.odometer.learn_velocity(&moved, (stamp - last).as_secs());
+        }
+        self.stamp = Some(stamp);
+        is_due
+    }
+
+    fn is_due(&self, stamp: Time) -> bool {
+        let way = &self.step_from_base;
+        let waited_s = (stamp - self.step_stamp).as_secs();
+        let settings = &self.settings;
+        self.filter.lineage().is_empty()
+            || way.translation.vector.norm() >= settings.linear_update_m
+            || way.rotation.angle().abs() >= settings.angular_update_rad
+            || settings.temporal_update_s >= 0.0 && waited_s >= settings.temporal_update_s
+    }
+
+    /// The filter takes the scan in.
+    fn take_step(&mut self, observation: &Observation, scan: &LaserScan) {
+        let explores = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
+        let key = KeyScan {
+            scan,
+            base_from_sensor: observation.base_from_sensor,
+            points: &self.points,
+            step: self.since_step,
+            before_from_start: self.step_from_base,
+            explores,
+        };
+        let is_first = self.filter.lineage().is_empty();
+        let outcome = self.filter.take(&key);
+        self.count(&outcome, is_first);
+        self.diary.step(observation.stamp, &self.step_from_base);
+        (self.step_stamp, self.step_from_base) = (observation.stamp, Pose2::identity());
+        self.since_step = Step::default();
+    }
+
+    fn count(&mut self, outcome: &Outcome, is_first: bool) {
+        self.counters.updates += 1;
+        self.counters.resampled += u64::from(outcome.is_resampled);
+        self.counters.without_weight += u64::from(outcome.is_degenerate);
+        if let Some(looked) = &outcome.best {
+            self.covariance = looked.covariance;
+            self.counters.degenerate += u64::from(looked.status == MatchStatus::Degenerate);
+        }
+        self.found(is_first || outcome.n_matched > 0);
+    }
+
+    /// Follows the robot in the best map, without drawing anything.
+    fn follow(&mut self, step_from_before: &Pose2, step: &Step) {
+        let settings = self.filter.settings();
+        let Some(best) = self.filter.best() else { return };
+        let map_from_before = best.map_from_base * step_from_before;
+        let prior = prior_of(&map_from_before, step, settings);
+        match matched(&best.map, &self.points, &prior.map_from_base, &prior, settings) {
+            Some((found, status)) if status.is_match() => {
+                self.step_from_base = best.map_from_base.inverse() * found.map_from_base;
+                self.covariance = found.covariance;
+                self.counters.degenerate += u64::from(status == MatchStatus::Degenerate);
+                self.found(true);
+            }
+            _ => {
+                self.covariance += settings.motion.covariance(&map_from_before, step);
+                self.found(false);
+            }
+        }
+    }
+
+    fn found(&mut self, is_matched: bool) {
+        if is_matched {
+            (self.n_unmatched, self.way_unmatched_m) = (0, 0.0);
+        } else {
+            self.n_unmatched = self.n_unmatched.saturating_add(1);
+            self.counters.unmatched += 1;
+        }
+    }
+}
