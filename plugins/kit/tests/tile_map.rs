@@ -9,7 +9,7 @@ use rumbo_core::rng::{Rng, stream};
 use rumbo_kit::GridSize;
 use rumbo_kit::occupancy::{BeamEnds, BeamLimits, Evidence, FreeSpace, Mount2, ScanPainter};
 use rumbo_kit::scan_match::{GridLevel, ScanPoints, linearize};
-use rumbo_kit::seal::Seal;
+use rumbo_core::seal::Seal;
 use rumbo_kit::tile_map::{ExportFault, GridExport, LevelView, TILE_CELLS, TileCode, TileMap, TilePainter};
 use std::sync::Arc;
 
@@ -166,7 +166,7 @@ fn same_cells(map: &TileMap, grid: &Grid) {
 fn a_grid_that_is_kept_up_to_date_is_the_grid_that_is_made_anew() {
     let mut rng = stream(7, "growth");
     let (mut export, mut grid) = (GridExport::default(), None);
-    export.write(&TileMap::new(CELL_M, 3), &mut grid, 1 << 24).unwrap();
+    export.write(&TileMap::new(CELL_M, 3), &Pose2::identity(), &mut grid, 1 << 24).unwrap();
     assert_eq!(
         grid.as_ref().map(|grid| grid.cells.len()),
         Some(TILE_CELLS * TILE_CELLS),
@@ -186,7 +186,7 @@ fn a_grid_that_is_kept_up_to_date_is_the_grid_that_is_made_anew() {
         );
         // Now the one and then the other, as the best of several changes.
         let best = if k % 3 == 0 { &other } else { &map };
-        export.write(best, &mut grid, 1 << 24).unwrap();
+        export.write(best, &Pose2::identity(), &mut grid, 1 << 24).unwrap();
         same_cells(best, grid.as_ref().unwrap());
     }
     let too_large = GridExport::default().write(&map, &mut None, 4096);

@@ -1,6 +1,7 @@
 //! One scan into thirty maps: matched, weighed, drawn anew where it is due, and painted. The hall is that of the tests.
 
 use divan::{Bencher, black_box};
+use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
 use rumbo_core::rng::stream;
@@ -8,7 +9,7 @@ use rumbo_kit::scan_match::ScanPoints;
 use rumbo_kit::streams::Streams;
 use rumbo_slam::rbpf_slam::RbpfSlamParams;
 use rumbo_slam::rbpf_slam::filter::Filter;
-use rumbo_slam::rbpf_slam::motion::Step;
+use rumbo_slam::rbpf_slam::follower::Followed;
 use rumbo_slam::rbpf_slam::particle::KeyScan;
 
 fn main() {
@@ -66,14 +67,15 @@ fn one_scan_that_is_taken_in(bencher: Bencher, particles: u32) {
         k += 1;
         let scan = scan(&pose);
         preparation.prepare(&scan, &Pose3::identity(), &mut points);
-        let step = Step { before_from_after: before.inverse() * pose, stray: [0.0; 2] };
+        let covariance = Matrix3::from_diagonal(&Vector3::new(1e-4, 1e-4, 1e-5));
+        let followed = Followed { before_from_after: before.inverse() * pose, covariance };
         black_box(filter.take(&KeyScan {
             scan: &scan,
             base_from_sensor: Pose3::identity(),
             points: &points,
-            step,
-            before_from_start: step.before_from_after,
+            followed,
             explores: true,
+            is_lost: false,
         }))
     });
 }

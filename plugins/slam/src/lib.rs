@@ -3,3 +3,4 @@
 
 pub mod ekf_line_slam;
 pub mod graph_slam;
+pub mod rbpf_slam;

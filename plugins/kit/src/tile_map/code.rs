@@ -3,7 +3,7 @@
 use super::TileMap;
 use super::level::TileLevel;
 use super::tile::{N_CELLS, TILE_CELLS, Tile};
-use crate::seal::Reader;
+use rumbo_core::seal::Reader;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -4,6 +4,7 @@ use super::TileMap;
 use super::level::TileLevel;
 use super::tile::TILE_CELLS;
 use rumbo_core::boundary::Buffer;
+use rumbo_core::frames::{Point2, Pose2};
 use rumbo_core::map::{Grid, GridFault, GridHeader};
 
 /// Writes maps into a plain grid. Only tiles that differ from what was written last are written again, also where the map
@@ -16,20 +17,22 @@ pub struct GridExport {
 }
 
 impl GridExport {
-    /// Makes the grid what the map is. One that is none, or that somebody else made, is made anew.
+    /// Makes the grid what the map is, with its origin at this place of the grid's map. One that is none, or that somebody
+    /// else made, is made anew.
     ///
     /// # Errors
     /// A grid that cannot be, as one with more cells than `max_cells`.
     pub fn write(
         &mut self,
         map: &TileMap,
+        map_from_tiles: &Pose2,
         grid: &mut Option<Grid>,
         max_cells: u64,
     ) -> Result<(), ExportFault> {
         let Some(level) = map.finest() else { return Ok(()) };
         let (first, size) = self.room_for(level);
         let edge = TILE_CELLS;
-        let header = header(level.resolution_m(), first, size);
+        let header = header(level.resolution_m(), map_from_tiles, first, size);
         let n_cells = u64::from(header.width) * u64::from(header.height);
         if n_cells > max_cells {
             return Err(ExportFault::TooLarge { n_cells, max_cells });
@@ -108,14 +111,15 @@ pub enum ExportFault {
 }
 
 /// Passed more often than hit is free, the reverse occupied: the signs of the log-odds.
-fn header(resolution_m: f64, first: [i64; 2], size: [usize; 2]) -> GridHeader {
+fn header(resolution_m: f64, map_from_tiles: &Pose2, first: [i64; 2], size: [usize; 2]) -> GridHeader {
     let edge_m = TILE_CELLS as f64 * resolution_m;
+    let corner = map_from_tiles * Point2::new(first[0] as f64 * edge_m, first[1] as f64 * edge_m);
     let cells = |n: usize| u32::try_from(n * TILE_CELLS).unwrap_or(u32::MAX);
     GridHeader {
         width: cells(size[0]),
         height: cells(size[1]),
         resolution_m,
-        origin: [first[0] as f64 * edge_m, first[1] as f64 * edge_m, 0.0],
+        origin: [corner.x, corner.y, map_from_tiles.rotation.angle()],
         occupied_above: 0.0,
         free_below: 0.0,
     }

@@ -9,13 +9,13 @@ mod atlas;
 mod front_end;
 mod key_frames;
 mod loops;
-mod nearest;
+pub(crate) mod nearest;
 mod params;
 mod plugin;
-mod registration;
+pub(crate) mod registration;
 mod saved;
 mod sheet;
-mod surface;
+pub(crate) mod surface;
 mod tracker;
 
 #[cfg(test)]

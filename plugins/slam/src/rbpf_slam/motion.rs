@@ -1,9 +1,8 @@
 //! What the odometer says of a step, and how much it may err.
 
 use nalgebra::{Matrix3, Vector3};
-use rumbo_core::frames::{Pose2, pose2};
-use rumbo_core::rng::Rng;
-use rumbo_kit::turn_way_turn::{TurnWayTurn, noisy};
+use rumbo_core::frames::Pose2;
+use rumbo_kit::turn_way_turn::TurnWayTurn;
 
 /// Errors of the odometer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,18 +56,5 @@ impl MotionNoise {
         let variance = Matrix3::from_diagonal(&Vector3::from(parts.variance));
         let (way, turn) = (self.floor_m.powi(2) + step.stray[0], self.floor_rad.powi(2) + step.stray[1]);
         by_parts * variance * by_parts.transpose() + Matrix3::from_diagonal(&Vector3::new(way, way, turn))
-    }
-
-    /// A pose that the robot may have after a step from here.
-    pub fn sample(&self, map_from_before: &Pose2, step: &Step, rng: &mut Rng) -> Pose2 {
-        let parts = self.parts(step);
-        let [turn, way, turn_after] = noisy(parts.mean, parts.variance.map(f64::sqrt), rng);
-        let floor =
-            [self.floor_m.powi(2) + step.stray[0], self.floor_rad.powi(2) + step.stray[1]].map(f64::sqrt);
-        let [x, y, yaw] = noisy([0.0; 3], [floor[0], floor[0], floor[1]], rng);
-        let yaw_before = map_from_before.rotation.angle();
-        let (sin, cos) = (yaw_before + turn).sin_cos();
-        let at = map_from_before.translation.vector;
-        pose2(at.x + way * cos + x, at.y + way * sin + y, yaw_before + turn + turn_after + yaw)
     }
 }

@@ -1,6 +1,9 @@
 //! What `[slam] plugin = "rbpf_slam"` takes.
 
+use super::follower::FollowSettings;
 use super::motion::MotionNoise;
+use crate::graph_slam::registration::RegistrationSettings;
+use crate::graph_slam::surface::SurfaceLimits;
 use super::settings::{FilterSettings, ProposalRule, TrackerSettings};
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
@@ -22,16 +25,36 @@ pub struct RbpfSlamParams {
     pub linear_update_m: f64,
     /// ... or has turned this much, degrees, ...
     pub angular_update_deg: f64,
-    /// ... or after this time, seconds; below zero never by time alone. Scans between are matched with the best map.
+    /// ... or after this time, seconds; below zero never by time alone. Scans between are registered on the last ones.
     pub temporal_update_s: f64,
     /// Particles are drawn anew when their effective number falls below this share of them.
     pub resample_threshold: f64,
     /// Errors of the odometer, variances per square: turn by turn, turn by way (rad²/m²), way by way, way by turn (m²/rad²).
     pub alpha: [f64; 4],
-    /// Standard deviation that the odometer has in any step between two scans that are taken in, meters.
+    /// Standard deviation that the odometer has in any step, meters.
     pub odometer_floor_m: f64,
     /// The same of the heading, degrees.
     pub odometer_floor_deg: f64,
+    /// The step from one scan that is taken in to the next comes from registering each scan on the last so many of them.
+    pub recent_scans: u32,
+    /// Noise of a point across the surface that it lies on, meters.
+    pub noise_m: f64,
+    /// Noise of a point that lies on no surface, meters.
+    pub loose_noise_m: f64,
+    /// Points farther apart than this are no pair, meters.
+    pub gate_m: f64,
+    /// Share of the information of all pairs of points that is believed: neighboring points err alike.
+    pub believed_share: f64,
+    /// Share of a scan's points that must have a partner.
+    pub least_overlap: f64,
+    /// How well these must agree, 0 to 1.
+    pub least_agreement: f64,
+    /// Where a scan fits badly on the last ones, turns up to this to each side are tried, degrees: wheels slip. 0 tries none.
+    pub unseen_turn_deg: f64,
+    /// Standard deviation that a registered step has at least, meters.
+    pub step_floor_m: f64,
+    /// The same of its turn, degrees.
+    pub step_floor_deg: f64,
     /// Nearer readings are left out, meters.
     pub min_range_m: f64,
     /// Farther readings are not matched, meters.
@@ -101,9 +124,19 @@ impl Default for RbpfSlamParams {
             angular_update_deg: 14.3,
             temporal_update_s: -1.0,
             resample_threshold: 0.5,
-            alpha: [0.1, 0.01, 0.02, 0.01],
-            odometer_floor_m: 0.03,
+            alpha: [0.25, 0.01, 0.25, 0.01],
+            odometer_floor_m: 0.05,
             odometer_floor_deg: 2.0,
+            recent_scans: 6,
+            noise_m: 0.02,
+            loose_noise_m: 0.3,
+            gate_m: 0.2,
+            believed_share: 0.05,
+            least_overlap: 0.4,
+            least_agreement: 0.35,
+            unseen_turn_deg: 18.0,
+            step_floor_m: 0.005,
+            step_floor_deg: 0.1,
             min_range_m: 0.1,
             max_usable_range_m: 40.0,
             max_range_m: 30.0,
@@ -137,6 +170,12 @@ impl Default for RbpfSlamParams {
     }
 }
 
+/// A surface reaches this far around a point, and its points lie within this of their line, meters.
+const SURFACE_M: [f64; 2] = [0.25, 0.03];
+/// A point reaches this far along its surface, meters: hardly anything holds it there.
+const ALONG_M: f64 = 1.0;
+/// Deviations at which a pair of points counts a quarter.
+const KERNEL_DEVIATIONS: f64 = 3.0;
 /// Levels beyond this have cells larger than rooms.
 const MOST_LEVELS: u32 = 10;
 /// More particles than this have no random streams of their own.
@@ -157,14 +196,18 @@ impl Params for RbpfSlamParams {
             expect(value >= 0.0 && value.is_finite(), key, &value, "a finite number, 0 or more");
         }
         for (key, value) in
-            [("resample_threshold", self.resample_threshold), ("minimum_score", self.minimum_score)]
+            [("resample_threshold", self.resample_threshold), ("minimum_score", self.minimum_score),
+            ("least_overlap", self.least_overlap), ("least_agreement", self.least_agreement)]
         {
             expect((0.0..=1.0).contains(&value), key, &value, "0 to 1");
         }
+        let is_share = self.believed_share > 0.0 && self.believed_share <= 1.0;
+        expect(is_share, "believed_share", &self.believed_share, "a number above 0, 1 at most");
         let is_count = |value: u32, most: u32| (1..=most).contains(&value);
         expect(is_count(self.particles, MOST_PARTICLES), "particles", &self.particles, "1 to 100000");
         expect(is_count(self.levels, MOST_LEVELS), "levels", &self.levels, "1 to 10");
         for (key, value) in [
+            ("recent_scans", self.recent_scans),
             ("min_points", self.min_points),
             ("lost_after_scans", self.lost_after_scans),
             ("proposal_samples", self.proposal_samples),
@@ -196,12 +239,17 @@ impl Params for RbpfSlamParams {
 }
 
 impl RbpfSlamParams {
-    fn positive(&self) -> [(&'static str, f64); 13] {
+    fn positive(&self) -> [(&'static str, f64); 18] {
         [
             ("linear_update_m", self.linear_update_m),
             ("angular_update_deg", self.angular_update_deg),
             ("odometer_floor_m", self.odometer_floor_m),
             ("odometer_floor_deg", self.odometer_floor_deg),
+            ("noise_m", self.noise_m),
+            ("loose_noise_m", self.loose_noise_m),
+            ("gate_m", self.gate_m),
+            ("step_floor_m", self.step_floor_m),
+            ("step_floor_deg", self.step_floor_deg),
             ("max_usable_range_m", self.max_usable_range_m),
             ("max_range_m", self.max_range_m),
             ("likelihood_variance", self.likelihood_variance),
@@ -214,9 +262,10 @@ impl RbpfSlamParams {
         ]
     }
 
-    fn not_negative(&self) -> [(&'static str, f64); 6] {
+    fn not_negative(&self) -> [(&'static str, f64); 7] {
         [
             ("min_range_m", self.min_range_m),
+            ("unseen_turn_deg", self.unseen_turn_deg),
             ("full_weight_spacing_m", self.full_weight_spacing_m),
             ("ogain", self.ogain),
             ("widest_wedge_deg", self.widest_wedge_deg),
@@ -251,11 +300,6 @@ impl RbpfSlamParams {
             },
             minimum_score: self.minimum_score,
             likelihood_variance: self.likelihood_variance,
-            motion: MotionNoise {
-                alpha: self.alpha,
-                floor_m: self.odometer_floor_m,
-                floor_rad: self.odometer_floor_deg.to_radians(),
-            },
             proposal: self.proposal,
             proposal_samples: self.proposal_samples as usize,
             proposal_range: [self.proposal_range_m, self.proposal_range_deg.to_radians()],
@@ -272,6 +316,31 @@ impl RbpfSlamParams {
         }
     }
 
+    fn follow_settings(&self) -> FollowSettings {
+        FollowSettings {
+            limits: SurfaceLimits {
+                min_range_m: self.min_range_m,
+                max_range_m: self.max_usable_range_m,
+                window_m: SURFACE_M[0],
+                most_rough_m: SURFACE_M[1],
+            },
+            registration: RegistrationSettings {
+                across_m: self.noise_m,
+                along_m: ALONG_M,
+                loose_m: self.loose_noise_m,
+                gate_m: self.gate_m,
+                kernel_c: KERNEL_DEVIATIONS,
+            },
+            n_recent: self.recent_scans as usize,
+            min_points: self.min_points as usize,
+            believed_share: self.believed_share,
+            least_overlap: self.least_overlap,
+            least_agreement: self.least_agreement,
+            unseen_turn_rad: self.unseen_turn_deg.to_radians(),
+            floor: [self.step_floor_m, self.step_floor_deg.to_radians()],
+        }
+    }
+
     /// The same numbers as the algorithm has them.
     ///
     /// # Errors
@@ -283,6 +352,12 @@ impl RbpfSlamParams {
         })?;
         Ok(TrackerSettings {
             filter: self.filter_settings(evidence),
+            follow: self.follow_settings(),
+            motion: MotionNoise {
+                alpha: self.alpha,
+                floor_m: self.odometer_floor_m,
+                floor_rad: self.odometer_floor_deg.to_radians(),
+            },
             linear_update_m: self.linear_update_m,
             angular_update_rad: self.angular_update_deg.to_radians(),
             temporal_update_s: self.temporal_update_s,

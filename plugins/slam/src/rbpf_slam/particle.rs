@@ -1,6 +1,6 @@
 //! One guess of the robot's way, and the map that belongs to it.
 
-use super::motion::Step;
+use super::follower::Followed;
 use super::proposal::{Proposal, coordinates, difference};
 use super::settings::{FilterSettings, ProposalRule};
 use nalgebra::{Matrix3, Vector3};
@@ -21,12 +21,12 @@ pub struct KeyScan<'a> {
     pub base_from_sensor: Pose3,
     /// Its points in the base frame.
     pub points: &'a ScanPoints,
-    /// What the odometer says of the step since the last scan that the filter took in.
-    pub step: Step,
-    /// The same step as the robot was followed: where the search begins.
-    pub before_from_start: Pose2,
+    /// The step since the last scan that the filter took in, as the robot was followed.
+    pub followed: Followed,
     /// Draw it into the map although it overlaps with it too little to be matched.
     pub explores: bool,
+    /// The robot is lost: only a match that nobody can doubt finds it again.
+    pub is_lost: bool,
 }
 
 /// One guess.
@@ -51,33 +51,38 @@ pub struct Looked {
     pub is_drawn: bool,
     /// What the scan alone says of x, y, yaw.
     pub covariance: Matrix3<f64>,
+    /// The particle's step.
+    pub before_from_after: Pose2,
 }
 
 /// A match with a map, judged.
-pub fn matched(
+fn matched(
     map: &TileMap,
-    points: &ScanPoints,
-    start: &Pose2,
+    key: &KeyScan<'_>,
     prior: &PosePrior,
     settings: &FilterSettings,
 ) -> Option<(ScanMatch, MatchStatus)> {
     let views: Vec<LevelView<'_>> = map.views();
-    let mut found = match_scan(&views, points, start, Some(prior), &settings.matching)?;
-    // The search may begin at what an earlier look at the same scan found: the odometer then pulls away from where the scan
-    // alone fits best, which is no failure.
-    found.start = found.end;
+    let found = match_scan(&views, key.points, &prior.map_from_base, Some(prior), &settings.matching)?;
     let mut status = settings.gate.judge(&found, &prior.map_from_base);
-    if status.is_match() && found.end.mean_value() < settings.minimum_score {
+    let least = if key.is_lost { SURE_SCORE.max(settings.minimum_score) } else { settings.minimum_score };
+    let is_doubtful = key.is_lost && (status == MatchStatus::Degenerate || found.known() < SURE_KNOWN);
+    if status.is_match() && (found.end.mean_value() < least || is_doubtful) {
         status = MatchStatus::Diverged;
     }
     Some((found, status))
 }
 
-/// What the odometer says of a step from here, as a prior of a match.
-pub fn prior_of(map_from_before: &Pose2, step: &Step, settings: &FilterSettings) -> PosePrior {
-    let covariance = settings.motion.covariance(map_from_before, step);
+/// A lost robot believes matches of this mean value, ...
+const SURE_SCORE: f64 = 0.6;
+/// ... of which this share lies on cells that some scan has touched.
+const SURE_KNOWN: f64 = 0.8;
+
+/// The step as the robot was followed, from here, as a prior of a match.
+fn prior_of(map_from_before: &Pose2, followed: &Followed, settings: &FilterSettings) -> PosePrior {
+    let covariance = followed.covariance_in(map_from_before);
     PosePrior {
-        map_from_base: map_from_before * step.before_from_after,
+        map_from_base: map_from_before * followed.before_from_after,
         information: covariance.try_inverse().unwrap_or_else(Matrix3::identity),
         residual_variance: settings.likelihood_variance,
     }
@@ -92,28 +97,31 @@ fn ln_likelihood(looked: &Linearized, n_points: usize, variance: f64) -> f64 {
 }
 
 impl Particle {
-    /// Moves by what odometer and scan say, and weighs itself.
+    /// Moves by what the follower and the scan on its own map say, and weighs itself.
     pub fn look(&mut self, key: &KeyScan<'_>, settings: &FilterSettings, rng: &mut Rng) -> Looked {
         let before = self.map_from_base;
-        let prior = prior_of(&before, &key.step, settings);
-        let found = matched(&self.map, key.points, &(before * key.before_from_start), &prior, settings);
+        let prior = prior_of(&before, &key.followed, settings);
+        let found = matched(&self.map, key, &prior, settings);
         if let Some((found, status)) = &found
             && status.is_match()
             && let Some(proposal) = self.propose(found, &prior, key.points, settings, rng)
         {
             self.map_from_base = proposal.draw(rng);
             self.add_weight(proposal.ln_weight);
-            return Looked { status: *status, is_drawn: true, covariance: found.covariance };
+            let before_from_after = before.inverse() * self.map_from_base;
+            return Looked { status: *status, is_drawn: true, covariance: found.covariance, before_from_after };
         }
         let status = found.map_or(MatchStatus::TooFewPoints, |(_, status)| status);
-        self.map_from_base = settings.motion.sample(&before, &key.step, rng);
-        if let (Some(finest), true) = (self.map.finest(), status != MatchStatus::TooFewPoints) {
+        let covariance = key.followed.covariance_in(&before);
+        let guess = Proposal { mean: coordinates(&prior.map_from_base), covariance, ln_weight: 0.0 };
+        self.map_from_base = guess.draw(rng);
+        if let (Some(finest), false) = (self.map.finest(), status == MatchStatus::TooFewPoints || key.is_lost) {
             let looked = linearize(&LevelView::new(finest), key.points, &self.map_from_base);
             self.add_weight(ln_likelihood(&looked, key.points.len(), settings.likelihood_variance));
         }
         let is_drawn = status == MatchStatus::LowOverlap && key.explores;
-        let covariance = settings.motion.covariance(&before, &key.step);
-        Looked { status, is_drawn, covariance }
+        let before_from_after = before.inverse() * self.map_from_base;
+        Looked { status, is_drawn, covariance, before_from_after }
     }
 
     fn add_weight(&mut self, ln: f64) {

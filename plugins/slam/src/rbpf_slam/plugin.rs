@@ -44,7 +44,8 @@ impl RbpfSlam {
     fn write(&mut self, map: &mut Map) -> Result<(), SlamError> {
         let Some(best) = self.tracker.filter().best() else { return Ok(()) };
         let max_cells = self.tracker.settings().max_cells;
-        let written = self.export.write(&best.map, &mut map.grid, max_cells);
+        let map_from_tiles = self.tracker.map_from_start();
+        let written = self.export.write(&best.map, map_from_tiles, &mut map.grid, max_cells);
         written.map_err(|fault| SlamError::Other(fault.to_string()))?;
         map.touch();
         Ok(())
@@ -66,7 +67,8 @@ impl RbpfSlam {
             cx.trace.count(name, value as f64);
         }
         cx.trace.draw(|| {
-            let at = |pose: &Pose2| Point2::new(pose.translation.x, pose.translation.y);
+            let map_from_start = self.tracker.map_from_start();
+            let at = |pose: &Pose2| map_from_start * Point2::from(pose.translation.vector);
             let points = filter.particles().iter().map(|particle| at(&particle.map_from_base)).collect();
             Drawing::Points { name: "particles", points }
         });

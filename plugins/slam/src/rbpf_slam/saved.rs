@@ -1,15 +1,17 @@
 //! The whole state as bytes, to go on from later.
 
 use super::diary::{Diary, Entry};
+use super::follower::Kept;
 use super::lineage::{Branch, Lineage};
 use super::motion::Step;
 use super::particle::Particle;
 use super::tracker::Tracker;
+use crate::graph_slam::surface::SurfacePoint;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, Twist, is_finite2, pose2};
 use rumbo_core::stages::SlamError;
 use rumbo_core::time::Time;
-use rumbo_kit::seal::{Broken, Reader, Seal};
+use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_kit::streams::Streams;
 use rumbo_kit::tile_map::TileCode;
 
@@ -33,6 +35,7 @@ pub fn save(tracker: &Tracker) -> Vec<u8> {
     let mut bytes = SEAL.begin(1 << 20);
     bytes.extend(tracker.filter.streams.key().to_le_bytes());
     bytes.extend((tracker.filter.steps as i64).to_le_bytes());
+    put_pose(&mut bytes, &tracker.map_from_start);
     put_count(&mut bytes, tracker.filter.particles.len());
     let mut code = TileCode::default();
     for particle in &tracker.filter.particles {
@@ -43,6 +46,7 @@ pub fn save(tracker: &Tracker) -> Vec<u8> {
     put_lineage(&mut bytes, &tracker.filter.lineage);
     put_diary(&mut bytes, &tracker.diary);
     put_tracker(&mut bytes, tracker);
+    put_recent(&mut bytes, tracker);
     Seal::close(bytes)
 }
 
@@ -88,6 +92,17 @@ fn put_tracker(bytes: &mut Vec<u8>, tracker: &Tracker) {
     put_pose(bytes, &odometer.at_scan.unwrap_or_else(Pose2::identity));
     put(bytes, &odometer.stray);
     put(bytes, &[odometer.velocity.forward_m_s, odometer.velocity.left_m_s, odometer.velocity.turn_rad_s]);
+}
+
+fn put_recent(bytes: &mut Vec<u8>, tracker: &Tracker) {
+    put_count(bytes, tracker.follower.recent.len());
+    for kept in &tracker.follower.recent {
+        put_pose(bytes, &kept.step_from_base);
+        put_count(bytes, kept.surface.len());
+        for point in &kept.surface {
+            [point.at, point.normal].as_flattened().iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        }
+    }
 }
 
 /// Reads bytes of one state.
@@ -169,9 +184,29 @@ impl State<'_> {
         Some(())
     }
 
+    fn single(&mut self) -> Option<f32> {
+        self.0.chunk().map(f32::from_le_bytes).filter(|v| v.is_finite())
+    }
+
+    fn recent(&mut self, tracker: &mut Tracker) -> Option<()> {
+        tracker.follower.recent.clear();
+        for _ in 0..self.count()? {
+            let (step_from_base, n) = (self.pose()?, self.count()?);
+            let mut surface = Vec::new();
+            for _ in 0..n {
+                let at = [self.single()?, self.single()?];
+                surface.push(SurfacePoint { at, normal: [self.single()?, self.single()?] });
+            }
+            tracker.follower.recent.push_back(Kept { step_from_base, surface });
+        }
+        tracker.follower.fill();
+        Some(())
+    }
+
     fn whole(&mut self, tracker: &mut Tracker) -> Option<()> {
         tracker.filter.streams = Streams::of_key(u64::from_le_bytes(self.0.chunk()?));
         tracker.filter.steps = self.0.i64()? as u64;
+        tracker.map_from_start = self.pose()?;
         let n = self.count().filter(|n| *n > 0)?;
         let mut code = TileCode::default();
         let mut particles = Vec::new();
@@ -184,6 +219,7 @@ impl State<'_> {
         tracker.filter.lineage = self.lineage(n)?;
         tracker.diary = self.diary()?;
         self.tracker(tracker)?;
+        self.recent(tracker)?;
         self.0.is_empty().then_some(())
     }
 }

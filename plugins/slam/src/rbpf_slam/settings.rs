@@ -1,5 +1,6 @@
 //! Numbers of the filter, in the units of the algorithm.
 
+use super::follower::FollowSettings;
 use super::motion::MotionNoise;
 use rumbo_kit::occupancy::{BeamLimits, Evidence, FreeSpace};
 use rumbo_kit::scan_match::{MatchGate, MatchSettings, ScanPreparation};
@@ -37,8 +38,6 @@ pub struct FilterSettings {
     pub minimum_score: f64,
     /// Variance of one point's `1 - M`.
     pub likelihood_variance: f64,
-    /// How much the odometer errs.
-    pub motion: MotionNoise,
     /// Where poses are drawn from.
     pub proposal: ProposalRule,
     /// Poses tried by [`ProposalRule::Sampled`].
@@ -64,6 +63,10 @@ pub struct FilterSettings {
 pub struct TrackerSettings {
     /// How.
     pub filter: FilterSettings,
+    /// How the robot is followed from scan to scan.
+    pub follow: FollowSettings,
+    /// How much the odometer errs.
+    pub motion: MotionNoise,
     /// After this way, meters.
     pub linear_update_m: f64,
     /// Or this turn, radians.

@@ -1,4 +1,4 @@
-//! Follows the robot from scan to scan in the best map, and decides when the filter takes one in.
+//! Follows the robot from scan to scan, and decides when the filter takes one in.
 
 mod estimate;
 mod odometer;
@@ -6,15 +6,18 @@ mod odometer;
 use super::diary::Diary;
 use super::filter::{Filter, Outcome};
 use super::motion::Step;
-use super::particle::{KeyScan, matched, prior_of};
+use super::follower::{Follower, is_degenerate};
+use super::particle::KeyScan;
 use super::proposal::coordinates;
+use crate::graph_slam::registration::Registered;
+use crate::graph_slam::surface::SurfacePoint;
 use super::settings::TrackerSettings;
 use nalgebra::{Matrix3, Vector3};
 use odometer::Odometer;
 use rumbo_core::frames::{Pose2, pose2};
 use rumbo_core::messages::{Check, Data, LaserScan, Observation, Seen, StampedPose};
 use rumbo_core::time::Time;
-use rumbo_kit::scan_match::{MatchStatus, ScanPoints};
+use rumbo_kit::scan_match::ScanPoints;
 use rumbo_kit::streams::Streams;
 use rumbo_kit::turn_way_turn::noisy;
 use std::collections::VecDeque;
@@ -47,6 +50,10 @@ pub struct Counters {
 pub struct Tracker {
     pub(super) settings: TrackerSettings,
     pub(super) filter: Filter,
+    pub(super) follower: Follower,
+    /// Particles have their maps in a frame in which the robot began, so that no direction of the world is special to cells
+    /// and chance.
+    pub(super) map_from_start: Pose2,
     pub(super) diary: Diary,
     pub(super) odometer: Odometer,
     pub(super) counters: Counters,
@@ -73,11 +80,16 @@ pub struct Tracker {
 
 /// Scans that wait for the odometer at most; then the oldest are dropped.
 const MOST_WAITING: usize = 50;
+/// Of scans in a row that fit nowhere every so many is matched by all particles.
+const LOOK_EVERY: u32 = 5;
+
 impl Tracker {
     /// Not started yet.
     pub fn new(settings: TrackerSettings, streams: Streams) -> Tracker {
         Tracker {
             filter: Filter::new(settings.filter.clone(), streams),
+            follower: Follower::new(settings.follow),
+            map_from_start: Pose2::identity(),
             diary: Diary::default(),
             odometer: Odometer::new(settings.max_odom_jump_m),
             counters: Counters::default(),
@@ -98,7 +110,9 @@ impl Tracker {
 
     /// Begins anew at a pose.
     pub fn start(&mut self, map_from_base: &Pose2, covariance: &Matrix3<f64>) {
-        self.filter.begin(map_from_base);
+        self.filter.begin(&Pose2::identity());
+        self.follower.clear();
+        self.map_from_start = *map_from_base;
         self.diary = Diary::default();
         self.odometer = Odometer::new(self.settings.max_odom_jump_m);
         (self.counters, self.is_started, self.stamp) = (Counters::default(), true, None);
@@ -111,8 +125,10 @@ impl Tracker {
 
     /// The robot is about there in the map that was made so far, wherever it was before.
     pub fn relocate(&mut self, map_from_base: &Pose2, covariance: &Matrix3<f64>) {
-        let root = covariance.cholesky().map_or_else(Matrix3::zeros, |factor| factor.l());
-        let at = coordinates(map_from_base);
+        let turn = Matrix3::from(nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), -self.map_from_start.rotation.angle()));
+        let in_start = turn * covariance * turn.transpose();
+        let root = in_start.cholesky().map_or_else(Matrix3::zeros, |factor| factor.l());
+        let at = coordinates(&(self.map_from_start.inverse() * map_from_base));
         let mut is_first = true;
         self.filter.place(|rng| {
             let drawn = at + root * Vector3::from(noisy([0.0; 3], [1.0; 3], rng));
@@ -121,6 +137,7 @@ impl Tracker {
             pose2(place.x, place.y, place.z)
         });
         let deviation = |k: usize| covariance[(k, k)].max(0.0);
+        self.follower.clear();
         self.step_from_base = Pose2::identity();
         self.since_step = Step { stray: [deviation(0).max(deviation(1)), deviation(2)], ..Step::default() };
         (self.covariance, self.n_unmatched, self.way_unmatched_m) = (*covariance, 0, 0.0);
@@ -130,6 +147,11 @@ impl Tracker {
     /// Its numbers.
     pub fn settings(&self) -> &TrackerSettings {
         &self.settings
+    }
+
+    /// Where the frame of the particles' maps is in the map that is given out.
+    pub fn map_from_start(&self) -> &Pose2 {
+        &self.map_from_start
     }
 
     /// The filter.
@@ -149,7 +171,8 @@ impl Tracker {
 
     /// The robot at all scans, as the best particle has it now.
     pub fn trajectory(&self) -> Vec<StampedPose> {
-        self.diary.trajectory(&self.filter.lineage().way_of(self.filter.best_index()))
+        let way = self.filter.lineage().way_of(self.filter.best_index());
+        self.diary.trajectory(&way.iter().map(|start_from_base| self.map_from_start * start_from_base).collect::<Vec<_>>())
     }
 
     /// Takes in everything that was seen, and says whether the filter took in a scan.
@@ -212,50 +235,92 @@ impl Tracker {
         self.filter.settings().preparation.prepare(scan, &observation.base_from_sensor, &mut self.points);
         self.since_step = self.since_step.then(&step);
         let before = self.step_from_base;
-        self.step_from_base *= step.before_from_after;
-        self.way_unmatched_m += step.before_from_after.translation.vector.norm();
-        let is_due = self.is_due(stamp) && !(self.filter.lineage().is_empty() && self.points.is_empty());
+        let surface = self.follower.surface(scan, &observation.base_from_sensor);
+        let placed = self.follow(&surface, &step);
+        let moved = before.inverse() * self.step_from_base;
+        self.way_unmatched_m += moved.translation.vector.norm();
+        let is_due = self.is_due(stamp, placed.is_some());
         if is_due {
-            self.take_step(observation, scan);
+            self.take_step(observation, scan, surface, placed.as_ref());
         } else {
-            self.follow(&before, &step);
+            self.found(placed.is_some());
             self.diary.note(stamp, &self.step_from_base);
         }
         if let Some(last) = self.stamp {
-            let moved = if is_due { step.before_from_after } else { before.inverse() * self.step_from_base };
             self.odometer.learn_velocity(&moved, (stamp - last).as_secs());
         }
         self.stamp = Some(stamp);
         is_due
     }
 
-    fn is_due(&self, stamp: Time) -> bool {
+    /// The robot's step as the odometer has it, and then as the last scans have it.
+    fn follow(&mut self, surface: &[SurfacePoint], step: &Step) -> Option<Registered> {
+        let motion = &self.settings.motion;
+        let covariance = motion.covariance(&self.step_from_base, step);
+        let expected = self.step_from_base * step.before_from_after;
+        let placed = self.follower.place(surface, &expected, &covariance);
+        self.step_from_base = placed.map_or(expected, |placed| placed.reference_from_scan);
+        self.counters.degenerate += u64::from(placed.as_ref().is_some_and(is_degenerate));
+        placed
+    }
+
+    /// A scan that fits nowhere may be rubbish, so it is not taken in unless many are like it.
+    fn is_due(&self, stamp: Time, is_placed: bool) -> bool {
+        if self.filter.lineage().is_empty() {
+            return !self.points.is_empty();
+        }
+        if self.follower.is_empty() {
+            return true;
+        }
+        if !is_placed {
+            return self.n_unmatched % LOOK_EVERY == LOOK_EVERY - 1;
+        }
         let way = &self.step_from_base;
         let waited_s = (stamp - self.step_stamp).as_secs();
         let settings = &self.settings;
-        self.filter.lineage().is_empty()
-            || way.translation.vector.norm() >= settings.linear_update_m
+        way.translation.vector.norm() >= settings.linear_update_m
             || way.rotation.angle().abs() >= settings.angular_update_rad
             || settings.temporal_update_s >= 0.0 && waited_s >= settings.temporal_update_s
     }
 
     /// The filter takes the scan in.
-    fn take_step(&mut self, observation: &Observation, scan: &LaserScan) {
-        let explores = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
+    fn take_step(
+        &mut self,
+        observation: &Observation,
+        scan: &LaserScan,
+        surface: Vec<SurfacePoint>,
+        placed: Option<&Registered>,
+    ) {
+        let is_near = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
         let key = KeyScan {
             scan,
             base_from_sensor: observation.base_from_sensor,
             points: &self.points,
-            step: self.since_step,
-            before_from_start: self.step_from_base,
-            explores,
+            followed: self.follower.followed(
+                &self.step_from_base,
+                placed,
+                &self.since_step,
+                &self.settings.motion,
+            ),
+            explores: is_near && placed.is_some(),
+            is_lost: self.is_lost(),
         };
         let is_first = self.filter.lineage().is_empty();
         let outcome = self.filter.take(&key);
         self.count(&outcome, is_first);
+        let is_drawn = is_first || outcome.n_matched > 0 || outcome.best.is_some_and(|best| best.is_drawn);
+        if let (None, true, Some(best)) = (placed, outcome.n_matched > 0, &outcome.best) {
+            self.step_from_base = best.before_from_after;
+        }
+        self.follower.step(&self.step_from_base, is_drawn.then_some(surface));
         self.diary.step(observation.stamp, &self.step_from_base);
         (self.step_stamp, self.step_from_base) = (observation.stamp, Pose2::identity());
         self.since_step = Step::default();
+    }
+
+    /// Nothing has matched for long.
+    pub(super) fn is_lost(&self) -> bool {
+        self.n_unmatched >= self.settings.lost_after_scans
     }
 
     fn count(&mut self, outcome: &Outcome, is_first: bool) {
@@ -264,29 +329,8 @@ impl Tracker {
         self.counters.without_weight += u64::from(outcome.is_degenerate);
         if let Some(looked) = &outcome.best {
             self.covariance = looked.covariance;
-            self.counters.degenerate += u64::from(looked.status == MatchStatus::Degenerate);
         }
         self.found(is_first || outcome.n_matched > 0);
-    }
-
-    /// Follows the robot in the best map, without drawing anything.
-    fn follow(&mut self, step_from_before: &Pose2, step: &Step) {
-        let settings = self.filter.settings();
-        let Some(best) = self.filter.best() else { return };
-        let map_from_before = best.map_from_base * step_from_before;
-        let prior = prior_of(&map_from_before, step, settings);
-        match matched(&best.map, &self.points, &prior.map_from_base, &prior, settings) {
-            Some((found, status)) if status.is_match() => {
-                self.step_from_base = best.map_from_base.inverse() * found.map_from_base;
-                self.covariance = found.covariance;
-                self.counters.degenerate += u64::from(status == MatchStatus::Degenerate);
-                self.found(true);
-            }
-            _ => {
-                self.covariance += settings.motion.covariance(&map_from_before, step);
-                self.found(false);
-            }
-        }
     }
 
     fn found(&mut self, is_matched: bool) {

@@ -2,6 +2,7 @@
 
 use super::hall::{BEAMS, Drive, apart, lane, observation, tracker, update};
 use crate::rbpf_slam::RbpfSlamParams;
+use crate::rbpf_slam::follower::Followed;
 use crate::rbpf_slam::particle::KeyScan;
 use crate::rbpf_slam::saved::save;
 use crate::rbpf_slam::tracker::Tracker;
@@ -244,9 +245,9 @@ fn weights_that_are_no_numbers_count_nothing_and_when_none_is_left_all_are_equal
             scan,
             base_from_sensor: Pose3::identity(),
             points: &points,
-            step: Default::default(),
-            before_from_start: Pose2::identity(),
+            followed: Followed { before_from_after: Pose2::identity(), covariance: Matrix3::identity() * 1e-4 },
             explores: true,
+            is_lost: false,
         })
     };
     tracker.filter.particles[0].ln_weight = f64::NAN;

@@ -3,7 +3,7 @@
 use super::Tracker;
 use crate::rbpf_slam::motion::Step;
 use crate::rbpf_slam::proposal::difference;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 use rumbo_core::frames::Pose2;
 use rumbo_core::messages::{Estimate, Status};
 use rumbo_core::time::Time;
@@ -16,16 +16,22 @@ impl Tracker {
     pub fn estimate(&self, now: Time) -> Estimate {
         let Some(best) = self.filter.best() else { return Estimate::lost(now) };
         let (stamp, step) = self.odometer.ahead(self.stamp, now);
-        let map_from_scan = best.map_from_base * self.step_from_base;
+        let start_from_scan = best.map_from_base * self.step_from_base;
+        let map_from_scan = self.map_from_start * start_from_scan;
         let map_from_base = map_from_scan * step.before_from_after;
-        let mut covariance = self.covariance + self.spread(&best.map_from_base);
-        if step != Step::default() {
-            covariance += self.filter.settings().motion.covariance(&map_from_scan, &step);
+        let followed = self.since_step.then(&step);
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), self.map_from_start.rotation.angle());
+        let in_start = self.covariance + self.spread(&best.map_from_base);
+        let mut covariance = turn.matrix() * in_start * turn.matrix().transpose();
+        let is_blind = step != Step::default() || self.n_unmatched > 0;
+        if is_blind {
+            covariance += self.settings.motion.covariance(&map_from_scan, &followed);
         }
+        covariance = (covariance + covariance.transpose()) * 0.5;
         let odom_from_base = self.odometer.newest_pose(stamp);
         let mut estimate = Estimate::planar(stamp, map_from_base, odom_from_base, covariance);
         let is_old = self.stamp.is_none_or(|scan| (now - scan).as_secs() > SCANLESS_S);
-        estimate.status = if self.n_unmatched >= self.settings.lost_after_scans {
+        estimate.status = if self.is_lost() {
             Status::Lost
         } else if self.n_unmatched > 0 || is_old {
             Status::Converging
