@@ -4,6 +4,7 @@
 //! own matches begin, and a far better guess of the robot's step than wheels are.
 
 use super::motion::{MotionNoise, Step};
+use super::proposal::difference;
 use crate::graph_slam::nearest::NearestTable;
 use crate::graph_slam::registration::{Expected, Registered, RegistrationSettings, register};
 use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint, Turn, surface_of};
@@ -58,12 +59,24 @@ pub struct Follower {
     table: NearestTable,
 }
 
-/// An answer that agrees so well is not doubted: overlap times agreement.
-const SURE_SCORE: f64 = 0.5;
-/// Another heading must fit better by this factor.
-const MUCH_BETTER: f64 = 1.3;
+/// An answer that fits so well is not doubted: overlap times agreement.
+const SURE_FIT: f64 = 0.7;
+/// Another heading must fit better by this.
+const CLEARLY_BETTER: f64 = 0.1;
 /// Headings tried to each side.
 const N_HEADINGS: i32 = 3;
+/// Deviations at which the odometer has half its weight: it may be quite wrong, as when its robot goes backward.
+const HALF_AT: f64 = 2.0;
+/// Times that it is doubted, and a doubt that makes no difference.
+const MOST_DOUBTS: usize = 2;
+const LEAST_DOUBT: f64 = 1.5;
+
+/// Factor of the covariance of what was expected, given what was found.
+fn doubt(expected: &Pose2, found: &Pose2, covariance: &Matrix3<f64>) -> f64 {
+    let off = difference(expected, found);
+    let square = covariance.try_inverse().map_or(0.0, |information| off.dot(&(information * off)));
+    1.0 + square / (HALF_AT * HALF_AT)
+}
 
 impl Follower {
     /// Nothing was seen yet.
@@ -119,28 +132,50 @@ impl Follower {
         &self,
         surface: &[SurfacePoint],
         step_from_expected: &Pose2,
+        step_from_last: &Pose2,
         covariance: &Matrix3<f64>,
     ) -> Option<Registered> {
         if surface.len() < self.settings.min_points || self.recent.is_empty() {
             return None;
         }
-        let at_first = self.register(surface, step_from_expected, covariance);
-        let score = |found: &Option<Registered>| found.as_ref().map_or(0.0, |f| f.overlap * f.agreement);
-        if score(&at_first) >= SURE_SCORE || self.settings.unseen_turn_rad <= 0.0 {
-            return at_first.filter(|found| self.is_believed(found));
-        }
+        let expected = self.doubted(surface, step_from_expected, covariance);
+        let fit = |found: &Option<Registered>| found.as_ref().map_or(0.0, |f| f.overlap * f.agreement);
         let unseen = self.settings.unseen_turn_rad;
+        if fit(&expected) >= SURE_FIT || unseen <= 0.0 {
+            return expected.filter(|found| self.is_believed(found));
+        }
+        // Wheels slip, castors swing around: other headings, and a robot that has not moved.
         let mut wide = *covariance;
-        wide[(2, 2)] += unseen * unseen;
-        let (mut best, mut best_score) = (at_first, score(&at_first) * MUCH_BETTER);
-        for k in (-N_HEADINGS..=N_HEADINGS).filter(|k| *k != 0) {
-            let turn = unseen * f64::from(k) / f64::from(N_HEADINGS);
-            let found = self.register(surface, &(step_from_expected * pose2(0.0, 0.0, turn)), &wide);
-            if score(&found) > best_score {
-                (best, best_score) = (found, score(&found));
+        wide[(2, 2)] += (unseen / f64::from(N_HEADINGS)).powi(2);
+        let turned = (1..=N_HEADINGS).flat_map(|k| [k, -k]).map(|k| {
+            step_from_expected * pose2(0.0, 0.0, unseen * f64::from(k) / f64::from(N_HEADINGS))
+        });
+        let others = turned.chain([*step_from_last]).map(|start| self.register(surface, &start, &wide));
+        let mut best = (expected, fit(&expected) + CLEARLY_BETTER);
+        for found in others {
+            if fit(&found) > best.1 {
+                best = (found, fit(&found));
             }
         }
-        best.filter(|found| self.is_believed(found))
+        best.0.filter(|found| self.is_believed(found))
+    }
+
+    /// A registration whose expectation pulls less the farther the scan lies from it.
+    fn doubted(
+        &self,
+        surface: &[SurfacePoint],
+        step_from_expected: &Pose2,
+        covariance: &Matrix3<f64>,
+    ) -> Option<Registered> {
+        let mut found = self.register(surface, step_from_expected, covariance)?;
+        for _ in 0..MOST_DOUBTS {
+            let doubt = doubt(step_from_expected, &found.reference_from_scan, covariance);
+            if doubt < LEAST_DOUBT {
+                break;
+            }
+            found = self.register(surface, step_from_expected, &(covariance * doubt))?;
+        }
+        Some(found)
     }
 
     fn is_believed(&self, found: &Registered) -> bool {
@@ -173,6 +208,7 @@ impl Follower {
         motion: &MotionNoise,
     ) -> Followed {
         let by_odometer = motion.covariance(&Pose2::identity(), since_step);
+        let by_odometer = by_odometer * doubt(&since_step.before_from_after, step_from_base, &by_odometer);
         let [off_m, off_rad] = self.settings.floor;
         let floor = Matrix3::from_diagonal(&Vector3::new(off_m * off_m, off_m * off_m, off_rad * off_rad));
         let both = placed.and_then(|placed| {

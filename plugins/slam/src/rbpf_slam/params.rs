@@ -124,7 +124,7 @@ impl Default for RbpfSlamParams {
             angular_update_deg: 14.3,
             temporal_update_s: -1.0,
             resample_threshold: 0.5,
-            alpha: [0.25, 0.01, 2.0, 0.01],
+            alpha: [0.25, 0.01, 0.04, 0.01],
             odometer_floor_m: 0.05,
             odometer_floor_deg: 2.0,
             recent_scans: 6,

@@ -258,7 +258,7 @@ impl Tracker {
         let motion = &self.settings.motion;
         let covariance = motion.covariance(&self.step_from_base, step);
         let expected = self.step_from_base * step.before_from_after;
-        let placed = self.follower.place(surface, &expected, &covariance);
+        let placed = self.follower.place(surface, &expected, &self.step_from_base, &covariance);
         self.step_from_base = placed.map_or(expected, |placed| placed.reference_from_scan);
         self.counters.degenerate += u64::from(placed.as_ref().is_some_and(is_degenerate));
         placed
@@ -272,8 +272,14 @@ impl Tracker {
         if self.follower.is_empty() {
             return true;
         }
-        if !is_placed {
-            return self.n_unmatched % LOOK_EVERY == LOOK_EVERY - 1;
+        if self.points.len() < self.settings.filter.gate.min_points {
+            return false;
+        }
+        if !is_placed && self.n_unmatched % LOOK_EVERY == LOOK_EVERY - 1 {
+            return true;
+        }
+        if !is_placed && self.n_unmatched == 0 {
+            return false;
         }
         let way = &self.step_from_base;
         let waited_s = (stamp - self.step_stamp).as_secs();
