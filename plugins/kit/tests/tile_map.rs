@@ -6,10 +6,10 @@ use rumbo_core::frames::{Point2, Pose2, Pose3, pose2};
 use rumbo_core::map::Grid;
 use rumbo_core::messages::LaserScan;
 use rumbo_core::rng::{Rng, stream};
+use rumbo_core::seal::Seal;
 use rumbo_kit::GridSize;
 use rumbo_kit::occupancy::{BeamEnds, BeamLimits, Evidence, FreeSpace, Mount2, ScanPainter};
 use rumbo_kit::scan_match::{GridLevel, ScanPoints, linearize};
-use rumbo_core::seal::Seal;
 use rumbo_kit::tile_map::{ExportFault, GridExport, LevelView, TILE_CELLS, TileCode, TileMap, TilePainter};
 use std::sync::Arc;
 

@@ -147,9 +147,9 @@ impl Follower {
         // Wheels slip, castors swing around: other headings, and a robot that has not moved.
         let mut wide = *covariance;
         wide[(2, 2)] += (unseen / f64::from(N_HEADINGS)).powi(2);
-        let turned = (1..=N_HEADINGS).flat_map(|k| [k, -k]).map(|k| {
-            step_from_expected * pose2(0.0, 0.0, unseen * f64::from(k) / f64::from(N_HEADINGS))
-        });
+        let turned = (1..=N_HEADINGS)
+            .flat_map(|k| [k, -k])
+            .map(|k| step_from_expected * pose2(0.0, 0.0, unseen * f64::from(k) / f64::from(N_HEADINGS)));
         let others = turned.chain([*step_from_last]).map(|start| self.register(surface, &start, &wide));
         let mut best = (expected, fit(&expected) + CLEARLY_BETTER);
         for found in others {
@@ -216,7 +216,10 @@ impl Follower {
             (placed.information * self.settings.believed_share + known).try_inverse()
         });
         let covariance = both.map_or(by_odometer, |both| both + floor);
-        Followed { before_from_after: *step_from_base, covariance: (covariance + covariance.transpose()) * 0.5 }
+        Followed {
+            before_from_after: *step_from_base,
+            covariance: (covariance + covariance.transpose()) * 0.5,
+        }
     }
 }
 

@@ -1,15 +1,12 @@
 //! What `[slam] plugin = "rbpf_slam"` takes.
 
-use super::follower::FollowSettings;
-use super::motion::MotionNoise;
-use crate::graph_slam::registration::RegistrationSettings;
-use crate::graph_slam::surface::SurfaceLimits;
-use super::settings::{FilterSettings, ProposalRule, TrackerSettings};
+mod translation;
+
+use super::settings::ProposalRule;
 use rumbo_core::registry::Params;
 use rumbo_core::stages::BuildError;
 use rumbo_kit::map_file::DEFAULT_MAX_CELLS;
-use rumbo_kit::occupancy::{BeamLimits, Evidence, EvidenceFault, FreeSpace};
-use rumbo_kit::scan_match::{MatchGate, MatchSettings, ScanPreparation};
+use rumbo_kit::occupancy::{Evidence, EvidenceFault};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +38,8 @@ pub struct RbpfSlamParams {
     pub noise_m: f64,
     /// Noise of a point that lies on no surface, meters.
     pub loose_noise_m: f64,
+    /// Points that lie farther from the line through their neighbors (root mean square) are no surface, meters.
+    pub roughness_m: f64,
     /// Points farther apart than this are no pair, meters.
     pub gate_m: f64,
     /// Share of the information of all pairs of points that is believed: neighboring points err alike.
@@ -124,12 +123,13 @@ impl Default for RbpfSlamParams {
             angular_update_deg: 14.3,
             temporal_update_s: -1.0,
             resample_threshold: 0.5,
-            alpha: [0.25, 0.01, 0.04, 0.01],
+            alpha: [0.25, 0.01, 1.0, 0.01],
             odometer_floor_m: 0.05,
             odometer_floor_deg: 2.0,
             recent_scans: 6,
             noise_m: 0.02,
             loose_noise_m: 0.3,
+            roughness_m: 0.03,
             gate_m: 0.2,
             believed_share: 0.05,
             least_overlap: 0.4,
@@ -170,12 +170,6 @@ impl Default for RbpfSlamParams {
     }
 }
 
-/// A surface reaches this far around a point, and its points lie within this of their line, meters.
-const SURFACE_M: [f64; 2] = [0.25, 0.03];
-/// A point reaches this far along its surface, meters: hardly anything holds it there.
-const ALONG_M: f64 = 1.0;
-/// Deviations at which a pair of points counts a quarter.
-const KERNEL_DEVIATIONS: f64 = 3.0;
 /// Levels beyond this have cells larger than rooms.
 const MOST_LEVELS: u32 = 10;
 /// More particles than this have no random streams of their own.
@@ -195,10 +189,12 @@ impl Params for RbpfSlamParams {
         for (key, value) in self.not_negative() {
             expect(value >= 0.0 && value.is_finite(), key, &value, "a finite number, 0 or more");
         }
-        for (key, value) in
-            [("resample_threshold", self.resample_threshold), ("minimum_score", self.minimum_score),
-            ("least_overlap", self.least_overlap), ("least_agreement", self.least_agreement)]
-        {
+        for (key, value) in [
+            ("resample_threshold", self.resample_threshold),
+            ("minimum_score", self.minimum_score),
+            ("least_overlap", self.least_overlap),
+            ("least_agreement", self.least_agreement),
+        ] {
             expect((0.0..=1.0).contains(&value), key, &value, "0 to 1");
         }
         let is_share = self.believed_share > 0.0 && self.believed_share <= 1.0;
@@ -239,7 +235,7 @@ impl Params for RbpfSlamParams {
 }
 
 impl RbpfSlamParams {
-    fn positive(&self) -> [(&'static str, f64); 18] {
+    fn positive(&self) -> [(&'static str, f64); 19] {
         [
             ("linear_update_m", self.linear_update_m),
             ("angular_update_deg", self.angular_update_deg),
@@ -247,6 +243,7 @@ impl RbpfSlamParams {
             ("odometer_floor_deg", self.odometer_floor_deg),
             ("noise_m", self.noise_m),
             ("loose_noise_m", self.loose_noise_m),
+            ("roughness_m", self.roughness_m),
             ("gate_m", self.gate_m),
             ("step_floor_m", self.step_floor_m),
             ("step_floor_deg", self.step_floor_deg),
@@ -276,95 +273,5 @@ impl RbpfSlamParams {
 
     fn evidence(&self) -> Result<Evidence, Vec<EvidenceFault>> {
         Evidence::new(self.update_factor_free, self.update_factor_occupied, self.p_min, self.p_max)
-    }
-
-    fn filter_settings(&self, evidence: Evidence) -> FilterSettings {
-        FilterSettings {
-            n_particles: self.particles as usize,
-            resolution_m: self.resolution_m,
-            n_levels: self.levels,
-            preparation: ScanPreparation {
-                min_range_m: self.min_range_m,
-                max_range_m: self.max_usable_range_m,
-                height_band_m: [self.lowest_m, self.highest_m],
-                max_points: self.max_points as usize,
-                full_weight_spacing_m: self.full_weight_spacing_m,
-                ..ScanPreparation::default()
-            },
-            matching: MatchSettings::default(),
-            gate: MatchGate {
-                min_points: self.min_points as usize,
-                max_correction_m: self.max_correction_m,
-                max_correction_rad: self.max_correction_deg.to_radians(),
-                ..MatchGate::default()
-            },
-            minimum_score: self.minimum_score,
-            likelihood_variance: self.likelihood_variance,
-            proposal: self.proposal,
-            proposal_samples: self.proposal_samples as usize,
-            proposal_range: [self.proposal_range_m, self.proposal_range_deg.to_radians()],
-            resample_threshold: self.resample_threshold,
-            ogain: self.ogain,
-            limits: BeamLimits {
-                min_range_m: self.min_range_m,
-                max_range_m: self.max_range_m,
-                clear_range_m: 0.0,
-            },
-            free_space: FreeSpace::Area { widest_wedge_rad: self.widest_wedge_deg.to_radians() },
-            evidence,
-            explore_grace_m: self.explore_grace_m,
-        }
-    }
-
-    fn follow_settings(&self) -> FollowSettings {
-        FollowSettings {
-            limits: SurfaceLimits {
-                min_range_m: self.min_range_m,
-                max_range_m: self.max_usable_range_m,
-                window_m: SURFACE_M[0],
-                most_rough_m: SURFACE_M[1],
-            },
-            registration: RegistrationSettings {
-                across_m: self.noise_m,
-                along_m: ALONG_M,
-                loose_m: self.loose_noise_m,
-                gate_m: self.gate_m,
-                kernel_c: KERNEL_DEVIATIONS,
-            },
-            n_recent: self.recent_scans as usize,
-            min_points: self.min_points as usize,
-            believed_share: self.believed_share,
-            least_overlap: self.least_overlap,
-            least_agreement: self.least_agreement,
-            unseen_turn_rad: self.unseen_turn_deg.to_radians(),
-            floor: [self.step_floor_m, self.step_floor_deg.to_radians()],
-        }
-    }
-
-    /// The same numbers as the algorithm has them.
-    ///
-    /// # Errors
-    /// Probabilities that make no evidence.
-    pub fn settings(&self) -> Result<TrackerSettings, BuildError> {
-        let evidence = self.evidence().map_err(|faults| {
-            let name = faults.first().map_or("update_factor_free", |fault| fault.name);
-            BuildError::at(name, "makes no evidence")
-        })?;
-        Ok(TrackerSettings {
-            filter: self.filter_settings(evidence),
-            follow: self.follow_settings(),
-            motion: MotionNoise {
-                alpha: self.alpha,
-                floor_m: self.odometer_floor_m,
-                floor_rad: self.odometer_floor_deg.to_radians(),
-            },
-            linear_update_m: self.linear_update_m,
-            angular_update_rad: self.angular_update_deg.to_radians(),
-            temporal_update_s: self.temporal_update_s,
-            lost_after_scans: self.lost_after_scans,
-            max_odom_jump_m: self.max_odom_jump_m,
-            publish_period_s: self.publish_period_s,
-            max_cells: self.max_cells,
-        })
     }
 }

@@ -109,13 +109,19 @@ impl Particle {
             self.map_from_base = proposal.draw(rng);
             self.add_weight(proposal.ln_weight);
             let before_from_after = before.inverse() * self.map_from_base;
-            return Looked { status: *status, is_drawn: true, covariance: found.covariance, before_from_after };
+            return Looked {
+                status: *status,
+                is_drawn: true,
+                covariance: found.covariance,
+                before_from_after,
+            };
         }
         let status = found.map_or(MatchStatus::TooFewPoints, |(_, status)| status);
         let covariance = key.followed.covariance_in(&before);
         let guess = Proposal { mean: coordinates(&prior.map_from_base), covariance, ln_weight: 0.0 };
         self.map_from_base = guess.draw(rng);
-        if let (Some(finest), false) = (self.map.finest(), status == MatchStatus::TooFewPoints || key.is_lost) {
+        if let (Some(finest), false) = (self.map.finest(), status == MatchStatus::TooFewPoints || key.is_lost)
+        {
             let looked = linearize(&LevelView::new(finest), key.points, &self.map_from_base);
             self.add_weight(ln_likelihood(&looked, key.points.len(), settings.likelihood_variance));
         }

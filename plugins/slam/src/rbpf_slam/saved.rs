@@ -9,9 +9,9 @@ use super::tracker::Tracker;
 use crate::graph_slam::surface::SurfacePoint;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, Twist, is_finite2, pose2};
+use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::stages::SlamError;
 use rumbo_core::time::Time;
-use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_kit::streams::Streams;
 use rumbo_kit::tile_map::TileCode;
 

@@ -5,3 +5,4 @@ mod hall;
 mod lineages;
 mod loops;
 mod proposals;
+mod wheels;

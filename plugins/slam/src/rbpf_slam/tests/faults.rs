@@ -245,7 +245,10 @@ fn weights_that_are_no_numbers_count_nothing_and_when_none_is_left_all_are_equal
             scan,
             base_from_sensor: Pose3::identity(),
             points: &points,
-            followed: Followed { before_from_after: Pose2::identity(), covariance: Matrix3::identity() * 1e-4 },
+            followed: Followed {
+                before_from_after: Pose2::identity(),
+                covariance: Matrix3::identity() * 1e-4,
+            },
             explores: true,
             is_lost: false,
         })

@@ -156,3 +156,54 @@ fn an_odometer_that_begins_anew_after_a_resume_moves_nothing() {
     let readings = [observation(0.5, Data::Imu(rumbo_core::messages::Imu::default()))];
     assert!(!update(&mut second, 2.1, &readings), "what it does not use changes nothing");
 }
+
+#[test]
+fn tmp_variants() {
+    let base = RbpfSlamParams::default();
+    let v: Vec<(&str, RbpfSlamParams)> = vec![
+        ("base", base.clone()),
+        ("rough .06", RbpfSlamParams { roughness_m: 0.06, ..base.clone() }),
+        ("rough .05 noise .03", RbpfSlamParams { roughness_m: 0.05, noise_m: 0.03, ..base.clone() }),
+        (
+            "rough .06 share.2 floor",
+            RbpfSlamParams {
+                roughness_m: 0.06,
+                believed_share: 0.2,
+                step_floor_m: 0.002,
+                step_floor_deg: 0.03,
+                ..base.clone()
+            },
+        ),
+        (
+            "rough .06 share.2 floor var.6",
+            RbpfSlamParams {
+                roughness_m: 0.06,
+                likelihood_variance: 0.6,
+                believed_share: 0.2,
+                step_floor_m: 0.002,
+                step_floor_deg: 0.03,
+                ..base.clone()
+            },
+        ),
+        ("lin .25 rough", RbpfSlamParams { roughness_m: 0.06, linear_update_m: 0.25, ..base.clone() }),
+        (
+            "lin 1 rough",
+            RbpfSlamParams {
+                roughness_m: 0.06,
+                linear_update_m: 1.0,
+                angular_update_deg: 28.0,
+                ..base.clone()
+            },
+        ),
+    ];
+    for (name, p) in v {
+        let all: Vec<String> = (1..=2)
+            .map(|seed| {
+                let mut t = tracker(&p, seed);
+                let w = drive(&mut t, &mut Drive::new(seed), 0..n_around());
+                format!("{:.3}/{:.2}", w[0], w[1])
+            })
+            .collect();
+        println!("VAR {name}: {all:?}");
+    }
+}

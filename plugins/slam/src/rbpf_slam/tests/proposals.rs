@@ -116,7 +116,8 @@ fn drawn_poses_have_the_mean_and_the_covariance_of_the_proposal() {
 fn sampled(noise: &MotionNoise, map_from_before: &Pose2, step: &Step, rng: &mut Rng) -> Pose2 {
     let parts = TurnWayTurn::between(&Pose2::identity(), &step.before_from_after, noise.alpha);
     let [turn, way, turn_after] = noisy(parts.mean, parts.variance.map(f64::sqrt), rng);
-    let floor = [noise.floor_m.powi(2) + step.stray[0], noise.floor_rad.powi(2) + step.stray[1]].map(f64::sqrt);
+    let floor =
+        [noise.floor_m.powi(2) + step.stray[0], noise.floor_rad.powi(2) + step.stray[1]].map(f64::sqrt);
     let [x, y, yaw] = noisy([0.0; 3], [floor[0], floor[0], floor[1]], rng);
     let yaw_before = map_from_before.rotation.angle();
     let (sin, cos) = (yaw_before + turn).sin_cos();
