@@ -46,6 +46,7 @@ pub mod simd;
 mod small_file;
 pub mod spread;
 pub mod streams;
+pub mod tile_map;
 pub mod trajectory;
 pub mod tum_rgbd;
 pub mod turn_way_turn;

@@ -10,13 +10,13 @@ mod front_end;
 mod gyro;
 mod key_frames;
 mod loops;
-mod nearest;
+pub(crate) mod nearest;
 mod params;
 mod plugin;
-mod registration;
+pub(crate) mod registration;
 mod saved;
 mod sheet;
-mod surface;
+pub(crate) mod surface;
 mod tracker;
 
 #[cfg(test)]

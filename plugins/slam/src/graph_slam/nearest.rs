@@ -4,7 +4,7 @@ use super::surface::SurfacePoint;
 
 /// Points of a surface, and for each square of a table the one nearest to its middle.
 #[derive(Debug, Clone, Default)]
-pub(super) struct NearestTable {
+pub(crate) struct NearestTable {
     points: Vec<SurfacePoint>,
     corner: [f32; 2],
     width: usize,

@@ -12,7 +12,7 @@ use rumbo_core::frames::{Pose2, pose2, wrap_angle};
 
 /// How surfaces are registered.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct RegistrationSettings {
+pub(crate) struct RegistrationSettings {
     /// Noise of a point across its surface, meters.
     pub across_m: f64,
     /// How far a point may lie from its partner along the surface, meters.
@@ -27,7 +27,7 @@ pub(super) struct RegistrationSettings {
 
 /// What is known before looking.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Expected {
+pub(crate) struct Expected {
     /// Where the scan is expected.
     pub reference_from_scan: Pose2,
     /// How surely, in the reference's axes; zero where nothing shall pull it there.
@@ -41,7 +41,7 @@ pub(super) struct Expected {
 
 /// A scan in its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Registered {
+pub(crate) struct Registered {
     /// The scan's base in the reference's frame.
     pub reference_from_scan: Pose2,
     /// What the pairs say of x, y, turn, in the reference's axes; without what was known before.
@@ -66,7 +66,7 @@ const MOST_ROUNDS: usize = 25;
 const LEAST_STEP: f64 = 2e-4;
 
 /// Finds the pose of `scan` in the reference from where it is expected.
-pub(super) fn register(
+pub(crate) fn register(
     reference: &NearestTable,
     scan: &[SurfacePoint],
     expected: &Expected,

@@ -5,7 +5,7 @@ use rumbo_core::messages::LaserScan;
 
 /// A point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SurfacePoint {
+pub(crate) struct SurfacePoint {
     /// Place, meters.
     pub at: [f32; 2],
     /// Where the surface faces, toward the sensor that saw it; zero where the points around it are no surface.
@@ -26,7 +26,7 @@ impl SurfacePoint {
 
 /// A pose ready to be applied to many points.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Turn {
+pub(crate) struct Turn {
     cos: f32,
     sin: f32,
     shift: [f32; 2],
@@ -50,7 +50,7 @@ impl Turn {
 
 /// Which readings become points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SurfaceLimits {
+pub(crate) struct SurfaceLimits {
     /// Nearer readings are left out, meters.
     pub min_range_m: f64,
     /// Farther ones too.
@@ -71,7 +71,7 @@ const REACH_BEAMS: f32 = 15.0;
 const STEEPEST: f32 = 15.0;
 
 /// The points of a scan in the base frame; roll and pitch of the sensor count.
-pub(super) fn surface_of(
+pub(crate) fn surface_of(
     scan: &LaserScan,
     base_from_sensor: &Pose3,
     limits: &SurfaceLimits,

@@ -1,0 +1,82 @@
+//! Maps as bytes. Tiles that several maps share are written once, and shared again when they are read.
+
+use super::TileMap;
+use super::level::TileLevel;
+use super::tile::{N_CELLS, TILE_CELLS, Tile};
+use rumbo_core::seal::Reader;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Writes and reads the maps of one state, in the same order.
+#[derive(Debug, Default)]
+pub struct TileCode {
+    /// Tiles written so far, by level, place and version.
+    written: BTreeMap<(u32, [i64; 2], u64), u32>,
+    read: Vec<Arc<Tile>>,
+}
+
+/// A tile that has not been written before.
+const NEW: u32 = u32::MAX;
+/// No map is larger, tiles along an edge.
+const MOST_TILES: i64 = 1 << 20;
+
+impl TileCode {
+    /// Adds a map.
+    pub fn write(&mut self, map: &TileMap, bytes: &mut Vec<u8>) {
+        bytes.extend((map.levels().len() as u32).to_le_bytes());
+        bytes.extend(map.finest().map_or(1.0, TileLevel::resolution_m).to_le_bytes());
+        for (k, level) in (0u32..).zip(map.levels()) {
+            bytes.extend((level.tiles().count() as u32).to_le_bytes());
+            for (place, tile) in level.tiles() {
+                place.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+                let key = (k, place, tile.version);
+                if let Some(number) = self.written.get(&key) {
+                    bytes.extend(number.to_le_bytes());
+                    continue;
+                }
+                self.written.insert(key, self.written.len() as u32);
+                bytes.extend(NEW.to_le_bytes());
+                bytes.extend(tile.version.to_le_bytes());
+                tile.cells.iter().for_each(|cell| bytes.extend(cell.to_le_bytes()));
+            }
+        }
+    }
+
+    /// The next map; none where the bytes are not one.
+    pub fn read(&mut self, rest: &mut Reader<'_>) -> Option<TileMap> {
+        let (n_levels, resolution_m) = (rest.u32()?, rest.f64()?);
+        let is_sound = (1..=16).contains(&n_levels) && resolution_m.is_finite() && resolution_m > 0.0;
+        let mut map = is_sound.then(|| TileMap::new(resolution_m, n_levels))?;
+        for level in map.levels_mut() {
+            for _ in 0..rest.u32()? {
+                let place = [rest.i64()?, rest.i64()?];
+                if place.iter().any(|v| v.abs() > MOST_TILES) {
+                    return None;
+                }
+                let number = rest.u32()?;
+                let tile = if number == NEW {
+                    self.read_tile(rest)?
+                } else {
+                    self.read.get(number as usize)?.clone()
+                };
+                level.put(place, tile);
+            }
+        }
+        Some(map)
+    }
+
+    fn read_tile(&mut self, rest: &mut Reader<'_>) -> Option<Arc<Tile>> {
+        let mut tile =
+            Tile { version: u64::from_le_bytes(rest.chunk()?), cells: [0.0; TILE_CELLS * TILE_CELLS] };
+        let words = rest.take(4 * N_CELLS)?.as_chunks::<4>().0;
+        for (cell, word) in tile.cells.iter_mut().zip(words) {
+            *cell = f32::from_le_bytes(*word);
+        }
+        if tile.cells.iter().any(|cell| !cell.is_finite()) {
+            return None;
+        }
+        let tile = Arc::new(tile);
+        self.read.push(Arc::clone(&tile));
+        Some(tile)
+    }
+}

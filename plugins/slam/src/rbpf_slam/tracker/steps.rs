@@ -1,0 +1,132 @@
+//! One scan: the robot is followed to it, and the filter takes it in where that is due.
+
+use super::Tracker;
+use crate::graph_slam::registration::Registered;
+use crate::graph_slam::surface::SurfacePoint;
+use crate::rbpf_slam::filter::Outcome;
+use crate::rbpf_slam::follower::is_degenerate;
+use crate::rbpf_slam::motion::Step;
+use crate::rbpf_slam::particle::KeyScan;
+use rumbo_core::frames::Pose2;
+use rumbo_core::messages::{LaserScan, Observation};
+use rumbo_core::time::Time;
+
+/// Of scans in a row that fit nowhere every so many is matched by all particles.
+const LOOK_EVERY: u32 = 5;
+
+impl Tracker {
+    pub(super) fn take_scan(&mut self, observation: &Observation, scan: &LaserScan) -> bool {
+        let stamp = observation.stamp;
+        let step = self.odometer.step_to(stamp, self.stamp);
+        self.counters.scans += 1;
+        self.filter.settings().preparation.prepare(scan, &observation.base_from_sensor, &mut self.points);
+        self.since_step = self.since_step.then(&step);
+        let before = self.step_from_base;
+        let surface = self.follower.surface(scan, &observation.base_from_sensor);
+        let placed = self.follow(&surface, &step);
+        let moved = before.inverse() * self.step_from_base;
+        self.way_unmatched_m += moved.translation.vector.norm();
+        let is_due = self.is_due(stamp, placed.is_some());
+        if is_due {
+            self.take_step(observation, scan, surface, placed.as_ref());
+        } else {
+            self.found(placed.is_some());
+            self.diary.note(stamp, &self.step_from_base);
+        }
+        if let Some(last) = self.stamp {
+            self.odometer.learn_velocity(&moved, (stamp - last).as_secs());
+        }
+        self.stamp = Some(stamp);
+        is_due
+    }
+
+    /// The robot's step as the odometer has it, and then as the last scans have it.
+    fn follow(&mut self, surface: &[SurfacePoint], step: &Step) -> Option<Registered> {
+        let motion = &self.settings.motion;
+        let covariance = motion.covariance(&self.step_from_base, step);
+        let expected = self.step_from_base * step.before_from_after;
+        let placed = self.follower.place(surface, &expected, &self.step_from_base, &covariance);
+        self.step_from_base = placed.map_or(expected, |placed| placed.reference_from_scan);
+        self.counters.degenerate += u64::from(placed.as_ref().is_some_and(is_degenerate));
+        placed
+    }
+
+    /// A scan that fits nowhere may be rubbish, so it is not taken in unless many are like it.
+    fn is_due(&self, stamp: Time, is_placed: bool) -> bool {
+        if self.filter.lineage().is_empty() {
+            return !self.points.is_empty();
+        }
+        if self.follower.is_empty() {
+            return true;
+        }
+        if self.points.len() < self.settings.filter.gate.min_points {
+            return false;
+        }
+        if !is_placed && self.n_unmatched % LOOK_EVERY == LOOK_EVERY - 1 {
+            return true;
+        }
+        if !is_placed && self.n_unmatched == 0 {
+            return false;
+        }
+        let way = &self.step_from_base;
+        let waited_s = (stamp - self.step_stamp).as_secs();
+        let settings = &self.settings;
+        way.translation.vector.norm() >= settings.linear_update_m
+            || way.rotation.angle().abs() >= settings.angular_update_rad
+            || settings.temporal_update_s >= 0.0 && waited_s >= settings.temporal_update_s
+    }
+
+    /// The filter takes the scan in.
+    fn take_step(
+        &mut self,
+        observation: &Observation,
+        scan: &LaserScan,
+        surface: Vec<SurfacePoint>,
+        placed: Option<&Registered>,
+    ) {
+        let is_near = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
+        let key = KeyScan {
+            scan,
+            base_from_sensor: observation.base_from_sensor,
+            points: &self.points,
+            followed: self.follower.followed(
+                &self.step_from_base,
+                placed,
+                &self.since_step,
+                &self.settings.motion,
+            ),
+            explores: is_near && placed.is_some(),
+            is_lost: self.is_lost(),
+        };
+        let is_first = self.filter.lineage().is_empty();
+        let outcome = self.filter.take(&key);
+        self.count(&outcome, is_first);
+        let is_drawn = is_first || outcome.n_matched > 0 || outcome.best.is_some_and(|best| best.is_drawn);
+        if let (None, true, Some(best)) = (placed, outcome.n_matched > 0, &outcome.best) {
+            self.step_from_base = best.before_from_after;
+        }
+        self.follower.step(&self.step_from_base, is_drawn.then_some(surface));
+        self.diary.step(observation.stamp, &self.step_from_base);
+        (self.step_stamp, self.step_from_base) = (observation.stamp, Pose2::identity());
+        self.since_step = Step::default();
+    }
+
+    fn count(&mut self, outcome: &Outcome, is_first: bool) {
+        self.counters.updates += 1;
+        self.counters.resampled += u64::from(outcome.is_resampled);
+        self.counters.without_weight += u64::from(outcome.is_degenerate);
+        if let Some(looked) = &outcome.best {
+            self.covariance = looked.covariance;
+        }
+        self.found(is_first || outcome.n_matched > 0);
+    }
+
+    fn found(&mut self, is_matched: bool) {
+        if is_matched {
+            (self.n_unmatched, self.way_unmatched_m) = (0, 0.0);
+        } else {
+            self.n_unmatched = self.n_unmatched.saturating_add(1);
+            self.counters.unmatched += 1;
+        }
+    }
+}
