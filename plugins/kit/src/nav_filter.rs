@@ -28,6 +28,7 @@ mod update;
 pub use aids::{Aid, leveled_angles};
 pub use chain::{FrameChain, map_from_odom};
 pub use euler::{Degenerate, EulerState};
+pub use fusion::Fusion;
 pub use filter::{NavCounts, NavFilter, NavOutput, NavStatus};
 pub use intersection::{PlanarPose, best_omega, intersect, intersect_pose};
 pub use leveling::Leveler;

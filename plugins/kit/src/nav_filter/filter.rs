@@ -6,7 +6,7 @@ use rumbo_core::time::Time;
 
 use super::aids::{AidKind, floor_velocity, is_gravity, leveled_angles};
 use super::euler::angles_by_errors;
-use super::fusion::{anchor, fuse, planar, planar_rows, reckoned};
+use super::fusion::{Fusion, anchor, fuse, planar, planar_rows, reckoned, take_alone};
 use super::history::{History, Moment, Tally};
 use super::intersection::PlanarPose;
 use super::leveling::is_reading;
@@ -17,7 +17,7 @@ use crate::compounded::compounded;
 /// Least variance that is kept: below it a covariance counts as none.
 pub(super) const LEAST: f64 = 1e-10;
 /// Standard deviation of the velocity of a robot that begins anyhow, m/s.
-const START_M_S: f64 = 0.5;
+pub(super) const START_M_S: f64 = 0.5;
 
 /// How the filter is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -146,7 +146,7 @@ impl NavFilter {
         let nav_from_body = UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, 0.0);
         let state = NavState { nav_from_body, ..NavState::default() };
         let settings = &self.settings;
-        let tilt_rad = if is_gravity(sample, settings) { settings.leveling_std_rad } else { 0.5 };
+        let tilt_rad = if is_gravity(&sample.forces_m_s2, settings) { settings.leveling_std_rad } else { 0.5 };
         let mut covariance = Covariance::zeros();
         for k in 0..3 {
             covariance[(ATTITUDE + k, ATTITUDE + k)] = tilt_rad.powi(2);
@@ -164,6 +164,8 @@ impl NavFilter {
             is_standing: false,
             last_aid,
             n_refused: [0; AidKind::COUNT],
+            wrong_since: None,
+            lean2: 0.0,
         };
         // The frame begins with the robot's own yaw, which is therefore certain.
         anchor(&mut moment);
@@ -184,15 +186,18 @@ impl NavFilter {
         Some(PlanarPose { pose: planar(&moment.state), covariance: c * moment.covariance * c.transpose() })
     }
 
-    /// Takes in how the robot moved over the floor from the last step to `stamp`, as scans tell it, by covariance
-    /// intersection; the next step begins there. Without a measurement it only begins there. Returns whether it was used.
-    pub fn take_step(&mut self, stamp: Time, step: Option<&PlanarPose>) -> bool {
+    /// Takes in how the robot moved over the floor from the last step to `stamp`, as scans tell it; the next step begins
+    /// there. Without a measurement it only begins there. Returns whether it was used.
+    pub fn take_step(&mut self, stamp: Time, step: Option<(&PlanarPose, Fusion)>) -> bool {
         let Some((place, mut moment)) = self.history.at(stamp, &self.settings) else {
             self.counts.n_untimely += 1;
             return false;
         };
         let mut tally = Tally::default();
-        let is_used = step.is_some_and(|step| fuse(&mut moment, step, &self.settings, &mut tally));
+        let is_used = step.is_some_and(|(step, fusion)| match fusion {
+            Fusion::Intersected => fuse(&mut moment, step, &self.settings, &mut tally),
+            Fusion::Alone => take_alone(&mut moment, step, &mut tally),
+        });
         let (pose, covariance) = anchor(&mut moment);
         self.begin_at(&pose, &covariance);
         self.history.revise(place, moment, &self.settings);
@@ -212,6 +217,11 @@ impl NavFilter {
         }
         self.begin_at(&step.pose, &step.covariance);
         self.dead_reckoned *= step.pose;
+    }
+
+    /// Where the last step ended.
+    pub fn odom_from_anchor(&self) -> Pose2 {
+        self.odom_from_anchor
     }
 
     /// The anchor is there now, seen from where it was.

@@ -1,11 +1,12 @@
 //! Measurements of the plane put together with the state: planar poses, the anchor, dead reckoning.
 
-use super::aids::yaw_by_errors;
+use super::aids::{Aid, yaw_by_errors};
 use super::filter::LEAST;
 use super::history::{Moment, Tally};
 use super::intersection::{PlanarPose, intersect, intersect_pose};
 use super::model::{ATTITUDE, Covariance, NavState, POSITION, VELOCITY};
 use super::settings::{Intersected, NavSettings};
+use super::update::{CHI2_95, joseph};
 use nalgebra::{Matrix3, Rotation2, SMatrix, UnitQuaternion, Vector3};
 use rumbo_core::frames::{Pose2, Twist, is_finite2, wrap_angle};
 use rumbo_core::time::Time;
@@ -23,6 +24,56 @@ pub(super) fn planar_rows(state: &NavState) -> SMatrix<f64, 3, 15> {
     c
 }
 
+/// How a step over the floor becomes part of the state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fusion {
+    /// Its errors have nothing to do with those of the state: it is what scans say and nothing else.
+    Alone,
+    /// It is partly what the state said before: covariance intersection.
+    Intersected,
+}
+
+/// A planar pose as a measurement of the state; none where it is no pose, or its covariance is none.
+fn measurement(moment: &mut Moment, measured: &PlanarPose, tally: &mut Tally) -> Option<Aid<3>> {
+    let r = (measured.covariance + measured.covariance.transpose()) * 0.5;
+    let is_number = is_finite2(&measured.pose) && r.iter().all(|v| v.is_finite());
+    if !is_number {
+        tally.n_rejected += 1;
+        return None;
+    }
+    if r.cholesky().is_none() {
+        moment.covariance *= 2.0;
+        tally.n_not_positive += 1;
+        return None;
+    }
+    let expected = planar(&moment.state);
+    let way = measured.pose.translation.vector - expected.translation.vector;
+    let turn = wrap_angle(measured.pose.rotation.angle() - expected.rotation.angle());
+    Some(Aid { innovation: Vector3::new(way.x, way.y, turn), h: planar_rows(&moment.state), r })
+}
+
+/// A planar pose whose errors have nothing to do with those of the state. One that is too far off counts less, by as much as
+/// brings it to the gate: scans that are right must in the end convince a filter that is wrong.
+pub(super) fn take_alone(
+    moment: &mut Moment,
+    measured: &PlanarPose,
+    tally: &mut Tally,
+) -> bool {
+    let Some(mut aid) = measurement(moment, measured, tally) else { return false };
+    let Some(updated) = joseph(&moment.covariance, &aid.h, &aid.r, &aid.innovation) else {
+        return moment.adopt(None, tally);
+    };
+    let excess = updated.mahalanobis2 / CHI2_95[2];
+    if excess <= 1.0 {
+        return moment.adopt(Some(&updated), tally);
+    }
+    tally.n_rejected += 1;
+    let expected = aid.h * moment.covariance * aid.h.transpose() + aid.r;
+    aid.r += expected * (excess - 1.0);
+    let updated = joseph(&moment.covariance, &aid.h, &aid.r, &aid.innovation);
+    moment.adopt(updated.as_ref(), tally)
+}
+
 /// Covariance intersection with a planar pose in the state's frame.
 pub(super) fn fuse(
     moment: &mut Moment,
@@ -30,23 +81,8 @@ pub(super) fn fuse(
     settings: &NavSettings,
     tally: &mut Tally,
 ) -> bool {
-    let r = (measured.covariance + measured.covariance.transpose()) * 0.5;
-    let is_number = is_finite2(&measured.pose) && r.iter().all(|v| v.is_finite());
-    if !is_number {
-        tally.n_rejected += 1;
-        return false;
-    }
-    if r.cholesky().is_none() {
-        moment.covariance *= 2.0;
-        tally.n_not_positive += 1;
-        return false;
-    }
-    let c = planar_rows(&moment.state);
+    let Some(Aid { innovation, h: c, r }) = measurement(moment, measured, tally) else { return false };
     let before = c * moment.covariance * c.transpose();
-    let expected = planar(&moment.state);
-    let way = measured.pose.translation.vector - expected.translation.vector;
-    let turn = wrap_angle(measured.pose.rotation.angle() - expected.rotation.angle());
-    let innovation = Vector3::new(way.x, way.y, turn);
     let updated = settings.omega.weight(&before, &r).and_then(|omega| match settings.intersected {
         Intersected::Pose => intersect_pose(&moment.covariance, &c, &r, &innovation, omega),
         Intersected::Everything => intersect(&moment.covariance, &c, &r, &innovation, omega),

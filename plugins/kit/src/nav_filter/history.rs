@@ -2,13 +2,18 @@
 
 use std::collections::VecDeque;
 
-use nalgebra::{Const, DimMin, ToTypenum};
+use nalgebra::{Const, DimMin, ToTypenum, Vector3};
 use rumbo_core::time::{Span, Time};
 
-use super::aids::{Aid, AidKind, is_gravity, leveling, no_flying, no_sliding, zero_rate, zero_velocity};
-use super::model::{
-    ATTITUDE, Covariance, ImuSample, NavState, POSITION, VELOCITY, carried, jacobian, noise, propagate,
+use super::aids::{
+    Aid, AidKind, is_gravity, leveled_from, leveling, leveling_std_rad, no_flying, no_sliding, without_curve,
+    zero_rate, zero_velocity,
 };
+use super::model::{
+    ACCEL_BIAS, ATTITUDE, Covariance, GRAVITY_M_S2, GYRO_BIAS, ImuSample, NavState, POSITION, VELOCITY, carried,
+    jacobian, noise, propagate,
+};
+use super::filter::{LEAST, START_M_S};
 use super::settings::NavSettings;
 use super::update::{CHI2_95, Updated, joseph};
 
@@ -38,7 +43,18 @@ pub struct Moment {
     pub last_aid: Option<Time>,
     /// Updates refused in a row, of each kind: that others fit is no comfort.
     pub n_refused: [u32; AidKind::COUNT],
+    /// Since when gravity has said all the time that the attitude is wrong.
+    pub wrong_since: Option<Time>,
+    /// Mean square of how the body leans on its wheels as it sways, by how fast it rolls and pitches, rad².
+    pub lean2: f64,
 }
+
+/// What a body that sways leans by, for each rad/s: that of half a period a second, as bodies on springs and tires do.
+const LEAN_S: f64 = 1.0 / std::f64::consts::PI;
+/// How long a body is said to sway after it did, seconds.
+const SWAY_S: f64 = 1.0;
+/// A body that rolls and pitches less than this is quiet, as leans: rad.
+const QUIET_RAD: f64 = 0.02;
 
 impl Moment {
     /// The moment of the next sample. Over a gap nothing is integrated, and all is less sure.
@@ -58,6 +74,7 @@ impl Moment {
             let devices = [settings.gyro_noise_rad_s, settings.accel_noise_m_s2];
             next.covariance = carried(&f, &self.covariance) + noise(seconds, devices, walks);
             next.state = propagate(&self.state, &mean, seconds);
+            next.sway(&mean, seconds);
         }
         next.aid(settings, tally);
         next
@@ -75,6 +92,13 @@ impl Moment {
         }
     }
 
+    fn sway(&mut self, mean: &ImuSample, seconds: f64) {
+        let up = self.state.nav_from_body.inverse() * Vector3::z();
+        let rates = mean.rates_rad_s - self.state.gyro_bias_rad_s;
+        let lean2 = (rates - up * up.dot(&rates)).norm_squared() * LEAN_S.powi(2);
+        self.lean2 += (lean2 - self.lean2) * (seconds / SWAY_S).min(1.0);
+    }
+
     /// Uses what is known without a measurement from outside, where it is time for that.
     fn aid(&mut self, settings: &NavSettings, tally: &mut Tally) {
         if self.last_aid.is_some_and(|last| self.stamp - last < settings.aid_period) {
@@ -82,29 +106,76 @@ impl Moment {
         }
         self.last_aid = Some(self.stamp);
         let sample = self.sample;
-        if is_gravity(&sample, settings)
-            && let Some(aid) = leveling(&self.state, &sample.forces_m_s2, settings.leveling_std_rad)
-        {
-            self.update(AidKind::Leveling, &aid, settings, tally);
-        }
+        self.level(&sample, settings, tally);
         if self.is_standing {
             let aid = zero_velocity(&self.state, settings.standing_m_s);
             self.update(AidKind::Standing, &aid, settings, tally);
-            let std_rad_s = settings.gyro_noise_rad_s.hypot(settings.standing_rad_s);
-            let aid = zero_rate(&self.state, &sample.rates_rad_s, std_rad_s);
-            self.update(AidKind::Rates, &aid, settings, tally);
+            if self.lean2 < QUIET_RAD.powi(2) {
+                let std_rad_s = settings.gyro_noise_rad_s.hypot(settings.standing_rad_s);
+                let aid = zero_rate(&self.state, &sample.rates_rad_s, std_rad_s);
+                self.update(AidKind::Rates, &aid, settings, tally);
+            }
             return;
         }
-        let vertical_m_s = settings.body_vertical_m_s;
+        // A body that leans on its wheels moves along the floor, not along itself. It leans alike for as long as it is said to
+        // sway: that is one measurement, not one for each time it is used.
+        let n_alike = (SWAY_S / settings.aid_period.as_secs()).max(1.0);
+        let leaning_m_s = self.state.velocity_m_s.norm() * (self.lean2 * n_alike).sqrt();
+        let vertical_m_s = settings.body_vertical_m_s.hypot(leaning_m_s);
+        // And says nothing about its own attitude by that.
         match settings.body_lateral_m_s {
-            Some(lateral_m_s) => self.update(
-                AidKind::Sliding,
-                &no_sliding(&self.state, lateral_m_s, vertical_m_s),
-                settings,
-                tally,
-            ),
-            None => self.update(AidKind::Sliding, &no_flying(&self.state, vertical_m_s), settings, tally),
+            Some(lateral_m_s) => {
+                let mut aid = no_sliding(&self.state, lateral_m_s, vertical_m_s);
+                aid.h.fixed_view_mut::<1, 3>(1, ATTITUDE).fill(0.0);
+                self.update(AidKind::Sliding, &aid, settings, tally)
+            }
+            None => {
+                let mut aid = no_flying(&self.state, vertical_m_s);
+                aid.h.fixed_view_mut::<1, 3>(0, ATTITUDE).fill(0.0);
+                self.update(AidKind::Sliding, &aid, settings, tally)
+            }
         };
+    }
+
+    /// Gravity says which way is up. Where it says for long that this is wrong, somebody turned the robot over.
+    fn level(&mut self, sample: &ImuSample, settings: &NavSettings, tally: &mut Tally) {
+        let forces = without_curve(&self.state, sample);
+        if !is_gravity(&forces, settings) {
+            self.wrong_since = None;
+            return;
+        }
+        // How sure the velocity is, is how sure what holds the body on its curve is.
+        let velocity_m_s = self.covariance.fixed_view::<3, 3>(VELOCITY, VELOCITY).trace().sqrt();
+        let curve_rad = sample.rates_rad_s.norm() * velocity_m_s / GRAVITY_M_S2;
+        let std_rad = leveling_std_rad(&sample.rates_rad_s, settings).hypot(curve_rad);
+        let Some(aid) = leveling(&self.state, &forces, std_rad) else { return };
+        if self.update(AidKind::Leveling, &aid, settings, tally) {
+            self.wrong_since = None;
+            return;
+        }
+        let since = *self.wrong_since.get_or_insert(self.stamp);
+        if self.is_standing || self.stamp - since >= settings.level_anew_after {
+            self.level_anew(sample, settings);
+        }
+    }
+
+    /// The attitude as gravity says it, with the yaw that it had; what was known of the velocity was known by the attitude.
+    fn level_anew(&mut self, sample: &ImuSample, settings: &NavSettings) {
+        self.state.nav_from_body = leveled_from(&self.state, &sample.forces_m_s2);
+        self.wrong_since = None;
+        self.n_refused = [0; AidKind::COUNT];
+        for (at, variance) in [
+            (ATTITUDE, settings.leveling_std_rad.powi(2)),
+            (VELOCITY, if self.is_standing { settings.standing_m_s } else { START_M_S }.powi(2)),
+            (GYRO_BIAS, settings.gyro_bias_rad_s.powi(2).max(LEAST)),
+            (ACCEL_BIAS, settings.accel_bias_m_s2.powi(2).max(LEAST)),
+        ] {
+            self.covariance.fixed_rows_mut::<3>(at).fill(0.0);
+            self.covariance.fixed_columns_mut::<3>(at).fill(0.0);
+            (at..at + 3).for_each(|k| self.covariance[(k, k)] = variance);
+        }
+        self.state.velocity_m_s = Vector3::zeros();
+        self.state.accel_bias_m_s2 = Vector3::zeros();
     }
 
     /// An update by a measurement whose errors have nothing to do with those of the state. Returns whether it was used.

@@ -69,6 +69,8 @@ pub struct NavFilterParams {
     pub max_match_m: f64,
     /// Noise of a range, meters: what is straighter than twice this is one wall.
     pub range_noise_m: f64,
+    /// Standard deviation of the attitude that levels the scans of a robot that tilts, degrees: as that of `stabilized_scan`.
+    pub leveled_within_deg: f64,
     /// Without a match for so long the robot is only reckoned, seconds.
     pub followed_for_s: f64,
     /// Without a match for so long, and without inertial readings, it is lost, seconds.
@@ -107,10 +109,11 @@ impl Default for NavFilterParams {
             imu_max_gap_s: 0.2,
             wheels: false,
             wheels_deviation_m_s: 0.05,
-            key_distance_m: scan.key_distance_m,
-            key_angle_deg: 5.73,
+            key_distance_m: 0.5,
+            key_angle_deg: 20.0,
             max_match_m: scan.max_match_m,
             range_noise_m: scan.range_noise_m,
+            leveled_within_deg: 0.5,
             followed_for_s: 1.0,
             lost_after_s: 5.0,
         }
@@ -153,6 +156,7 @@ impl NavFilterParams {
                 ..ScanOdometrySettings::default()
             },
             wheels_m_s: self.wheels.then_some(self.wheels_deviation_m_s),
+            leveled_within_rad: self.leveled_within_deg.to_radians(),
             followed_for: Span::from_secs(self.followed_for_s),
             lost_after: Span::from_secs(self.lost_after_s),
             fastest: [robot.max_speed_m_s, robot.max_turn_rad_s()],
@@ -170,6 +174,7 @@ impl Params for NavFilterParams {
                 ("accel_bias_m_s2", self.accel_bias_m_s2),
                 ("history_s", self.history_s),
                 ("lost_after_s", self.lost_after_s),
+                ("leveled_within_deg", self.leveled_within_deg),
             ],
             [
                 ("gyro_noise_deg_s", self.gyro_noise_deg_s),

@@ -13,6 +13,7 @@ use rumbo_kit::nav_filter::FrameChain;
 use super::NavFilterParams;
 
 mod hall;
+mod ladder;
 
 use hall::{Device, Drive};
 

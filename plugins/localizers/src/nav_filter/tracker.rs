@@ -6,7 +6,7 @@ use rumbo_core::messages::{Check, Data, Estimate, Imu, LaserScan, Observation, O
 use rumbo_core::odometry_track::OdometryTrack;
 use rumbo_core::time::{Span, Time};
 use rumbo_kit::nav_filter::{
-    ImuSample, NavCounts, NavFault, NavFilter, NavOutput, NavSettings, NavStatus, PlanarPose,
+    Fusion, ImuSample, NavCounts, NavFault, NavFilter, NavOutput, NavSettings, NavStatus, PlanarPose,
 };
 use rumbo_kit::scan_odometry::{MatchStatus, ScanOdometer, ScanOdometrySettings, ScanStep};
 
@@ -25,6 +25,8 @@ pub struct TrackerSettings {
     pub followed_for: Span,
     /// Without a match and without samples for so long it is lost.
     pub lost_after: Span,
+    /// Standard deviation of the attitude by which tilted scans were leveled, radians.
+    pub leveled_within_rad: f64,
     /// How far a scan without samples may be from the last one: m/s and rad/s.
     pub fastest: [f64; 2],
 }
@@ -58,7 +60,12 @@ pub struct Tracker {
     start_odometry: Pose2,
     scanner: Option<SensorId>,
     imu: Option<SensorId>,
+    /// When the device last spoke, and what rates it said, as the base turned, rad/s.
+    last_rates: Option<(Time, Vector3<f64>)>,
     last_scan: Option<Time>,
+    /// Where the filter was for the key scan, and where the scans say that the last one was seen from there.
+    odom_from_key: Pose2,
+    key_from_scanned: Pose2,
     last_match: Option<Time>,
     counts: Counts,
 }
@@ -85,7 +92,10 @@ impl Tracker {
             start_odometry,
             scanner: None,
             imu: None,
+            last_rates: None,
             last_scan: None,
+            odom_from_key: start.0,
+            key_from_scanned: Pose2::identity(),
             last_match: None,
             counts: Counts::default(),
         })
@@ -104,8 +114,11 @@ impl Tracker {
         }
         match &observation.data {
             Data::Imu(imu) if *self.imu.get_or_insert(observation.sensor) == observation.sensor => {
-                let sample = sample_of(imu, &observation.base_from_sensor);
-                self.filter.take_imu(observation.stamp, &sample);
+                let (stamp, mount) = (observation.stamp, &observation.base_from_sensor);
+                let sample = sample_of(stamp, imu, mount, self.last_rates);
+                if self.filter.take_imu(stamp, &sample) {
+                    self.last_rates = Some((stamp, sample.rates_rad_s));
+                }
             }
             Data::Odometry(odometry) => self.take_wheels(observation.stamp, odometry),
             Data::LaserScan(scan)
@@ -138,17 +151,34 @@ impl Tracker {
             self.last_match = Some(stamp);
             // Steps count from here.
             self.filter.take_step(stamp, None);
+            self.odom_from_key = self.filter.odom_from_anchor();
             return;
         };
         let prior = predicted.unwrap_or_else(|| self.unknown_step(stamp - since));
-        let taken = self.scans.take(scan, mount, &prior.pose, &prior.covariance);
+        // Seen from the key scan, the filter and the scans need not have been at the same place for the last one.
+        let key_from_anchor = self.odom_from_key.inverse() * self.filter.odom_from_anchor();
+        let step = self.key_from_scanned.inverse() * key_from_anchor * prior.pose;
+        let taken = self.scans.take(scan, mount, &step, &prior.covariance);
         self.note(&taken, stamp);
-        let step = taken.matched.status.is_good().then(|| measured(&taken));
+        let step = taken.matched.status.is_good().then(|| {
+            let mut step = measured(&taken, &key_from_anchor);
+            step.covariance += leveling_covariance(scan, mount, self.settings.leveled_within_rad);
+            step
+        });
         if predicted.is_some() {
-            self.filter.take_step(stamp, step.as_ref());
+            let fusion = match taken.matched.status {
+                MatchStatus::Ok => Fusion::Alone,
+                _ => Fusion::Intersected,
+            };
+            self.filter.take_step(stamp, step.as_ref().map(|step| (step, fusion)));
         } else {
             self.counts.n_alone += 1;
             self.filter.carry_on(step.as_ref().unwrap_or(&prior));
+        }
+        self.key_from_scanned = taken.matched.key_from_base;
+        if taken.is_key {
+            self.odom_from_key = self.filter.odom_from_anchor();
+            self.key_from_scanned = Pose2::identity();
         }
     }
 
@@ -213,20 +243,55 @@ impl Tracker {
     }
 }
 
-/// A reading as the base feels it. Of the forces at a device beside the base's middle, the centrifugal ones are taken off.
-fn sample_of(imu: &Imu, base_from_imu: &Pose3) -> ImuSample {
+/// A reading as the base feels it: what a device beside the base's middle feels of the base's turning is taken off. How the
+/// rates change is known by the reading before; what that errs by, the next one takes back.
+fn sample_of(
+    stamp: Time,
+    imu: &Imu,
+    base_from_imu: &Pose3,
+    before: Option<(Time, Vector3<f64>)>,
+) -> ImuSample {
     let rates_rad_s = base_from_imu.rotation * Vector3::from(imu.rates_rad_s);
-    let centripetal = rates_rad_s.cross(&rates_rad_s.cross(&base_from_imu.translation.vector));
     let felt = base_from_imu.rotation * Vector3::from(imu.accelerations_m_s2);
     // A device that feels nothing at all has no accelerometer, wherever it sits.
-    let forces_m_s2 = if felt == Vector3::zeros() { felt } else { felt - centripetal };
-    ImuSample { rates_rad_s, forces_m_s2 }
+    if felt == Vector3::zeros() {
+        return ImuSample { rates_rad_s, forces_m_s2: felt };
+    }
+    let arm_m = base_from_imu.translation.vector;
+    let change_rad_s2 = before
+        .filter(|(last, _)| stamp > *last && stamp - *last <= LONGEST_CHANGE)
+        .map_or(Vector3::zeros(), |(last, rates)| (rates_rad_s - rates) / (stamp - last).as_secs());
+    let by_turning = rates_rad_s.cross(&rates_rad_s.cross(&arm_m)) + change_rad_s2.cross(&arm_m);
+    ImuSample { rates_rad_s, forces_m_s2: felt - by_turning }
 }
 
-/// The step since the last scan, with the covariance of the match in the axes of where the base was then.
-fn measured(taken: &ScanStep) -> PlanarPose {
-    let key_from_last = taken.matched.key_from_base * taken.last_from_base.inverse();
-    let turn = key_from_last.rotation.inverse().to_rotation_matrix().to_homogeneous();
+/// Readings farther apart say nothing about how the rates change.
+const LONGEST_CHANGE: Span = Span(100_000_000);
+
+/// What a scan of a tilted laser errs by, beyond what its points show, because its attitude does: its points move along the
+/// floor by as much as they lie higher or lower than the laser, and all of them the same way as it rises over the base.
+fn leveling_covariance(scan: &LaserScan, base_from_sensor: &Pose3, std_rad: f64) -> Matrix3<f64> {
+    let up = base_from_sensor.rotation * Vector3::z();
+    let sine = up.xy().norm();
+    // A device that looks level needed no attitude.
+    if sine < 1e-9 {
+        return Matrix3::zeros();
+    }
+    let (sum_m, n) = scan
+        .ranges_m
+        .iter()
+        .filter(|range_m| range_m.is_finite())
+        .fold((0.0, 0.0), |(sum_m, n), range_m| (sum_m + f64::from(*range_m), n + 1.0));
+    let reach_m = if n > 0.0 { sum_m / n } else { 0.0 };
+    let place_m = (reach_m * sine).hypot(base_from_sensor.translation.z) * std_rad;
+    Matrix3::from_diagonal(&Vector3::new(place_m, place_m, sine * std_rad).map(|std| std * std))
+}
+
+/// The step from where the filter was for the last scan to where this one was made, in the axes of the former: what the
+/// filter did not believe of the steps before is not lost.
+fn measured(taken: &ScanStep, key_from_anchor: &Pose2) -> PlanarPose {
+    let anchor_from_key = key_from_anchor.inverse();
+    let turn = anchor_from_key.rotation.to_rotation_matrix().to_homogeneous();
     let covariance = turn * taken.matched.covariance * turn.transpose();
-    PlanarPose { pose: taken.last_from_base, covariance }
+    PlanarPose { pose: anchor_from_key * taken.matched.key_from_base, covariance }
 }

@@ -77,7 +77,7 @@ fn circle(settings: NavSettings, gyro_bias: f64, late: usize) -> (NavFilter, Pos
             pending.remove(0);
             let covariance = Matrix3::from_diagonal(&Vector3::new(4e-6, 4e-6, 1e-6));
             let step = PlanarPose { pose: step, covariance };
-            assert!(filter.take_step(seconds(at, rate_hz), Some(&step)));
+            assert!(filter.take_step(seconds(at, rate_hz), Some((&step, Fusion::Alone))));
         }
     }
     (filter, pose(3999.0 / rate_hz))
@@ -103,6 +103,7 @@ fn steps_over_the_floor_hold_position_velocity_attitude_and_bias() {
         // Each step's yaw errs by 0.01 rad/s, and covariance intersection averages little of that.
         assert!((state.gyro_bias_rad_s.z - 0.01).abs() < 0.008, "{}", state.gyro_bias_rad_s);
         is_sound(&filter, seconds(4000, 200.0));
+        println!("{late} off {:?} {} cov {:?} bias {} tilt {} h {}", off.translation.vector, off.rotation.angle(), output.covariance.diagonal().map(f64::sqrt), state.gyro_bias_rad_s, tilt_error_deg(&filter, &UnitQuaternion::identity()), chain.height_m);
         let off_std = off.translation.vector.norm() / output.covariance[(0, 0)].sqrt();
         assert!(off_std < 4.0, "it knows how sure it is: {off_std}");
         assert!((output.dead_reckoned.inverse() * chain.odom_from_footprint).translation.vector.norm() < 1.0);
