@@ -54,12 +54,12 @@ pub fn leveling_std_rad(rates_rad_s: &Vector3<f64>, settings: &NavSettings) -> f
 }
 
 /// What is left of the forces of a body without those by which it is held on its curve, m/s². Only the turn about the vertical
-/// counts: as a body sways, what it is on goes straight on.
-pub fn without_curve(state: &NavState, sample: &ImuSample) -> Vector3<f64> {
+/// counts: as a body sways, what it is on goes straight on. `known` is how much the velocity counts, from 0 to 1.
+pub fn without_curve(state: &NavState, sample: &ImuSample, known: f64) -> Vector3<f64> {
     let body_from_nav = state.nav_from_body.inverse();
     let (velocity, up) = (body_from_nav * state.velocity_m_s, body_from_nav * Vector3::z());
     let turn_rad_s = up.dot(&(sample.rates_rad_s - state.gyro_bias_rad_s));
-    sample.forces_m_s2 - state.accel_bias_m_s2 - up.cross(&velocity) * turn_rad_s
+    sample.forces_m_s2 - state.accel_bias_m_s2 - up.cross(&velocity) * (turn_rad_s * known)
 }
 
 /// The attitude with the roll and pitch of these forces, and the yaw that it has.
@@ -102,7 +102,6 @@ pub fn zero_rate(state: &NavState, rates_rad_s: &Vector3<f64>, std_rad_s: f64) -
     h.fixed_view_mut::<3, 3>(0, GYRO_BIAS).copy_from(&Matrix3::identity());
     Aid { innovation: rates_rad_s - state.gyro_bias_rad_s, h, r: Matrix3::identity() * std_rad_s.powi(2) }
 }
-
 
 /// The robot neither slides sideways nor flies. Sideways is level here: however a body leans on its wheels or rolls on a
 /// slope, these take it to where it looks.

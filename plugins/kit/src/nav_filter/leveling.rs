@@ -68,7 +68,11 @@ impl Leveler {
     fn begin(&mut self, sample: &ImuSample) {
         let [roll_rad, pitch_rad] = leveled_angles(&sample.forces_m_s2);
         self.nav_from_body = UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, 0.0);
-        let std_rad = if is_gravity(&sample.forces_m_s2, &self.settings) { self.settings.leveling_std_rad } else { 0.5 };
+        let std_rad = if is_gravity(&sample.forces_m_s2, &self.settings) {
+            self.settings.leveling_std_rad
+        } else {
+            0.5
+        };
         self.covariance = Matrix6::zeros();
         let bias2 = self.settings.gyro_bias_rad_s.powi(2);
         for k in 0..3 {

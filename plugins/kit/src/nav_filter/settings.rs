@@ -99,7 +99,7 @@ impl Default for NavSettings {
             gravity_gate_m_s2: 0.5,
             leveling_rate_rad_s: 0.3,
             leveling_std_rad: 0.05,
-            level_anew_after: Span(2_000_000_000),
+            level_anew_after: Span(1_000_000_000),
             body_lateral_m_s: Some(0.1),
             body_vertical_m_s: 0.1,
             standing_m_s: 0.01,

@@ -70,24 +70,23 @@ fn a_drive_through_a_hall_is_followed_by_scans_and_inertia_alone() {
     let (_, last, truth) = found.last().unwrap();
     let (off_m, off_deg) = off(last, truth);
     assert!(off_m < 0.12 && off_deg < 1.0, "{off_m} m, {off_deg} degrees");
-    assert!(found.iter().all(|(_, estimate, truth)| tilt_deg(estimate, truth) < 3.0));
-    assert!(last.map_from_base.translation.z.abs() < 0.3);
+    assert!(found.iter().skip(10).all(|(_, estimate, truth)| tilt_deg(estimate, truth) < 1.0));
+    assert!(last.map_from_base.translation.z.abs() < 0.1);
     assert!(found[5..].iter().all(|(_, estimate, _)| estimate.status == Status::Tracking));
     let deviation_m = last.covariance[(0, 0)].sqrt().max(last.covariance[(1, 1)].sqrt());
     assert!(off_m < 4.0 * deviation_m && deviation_m < 0.5, "it knows how sure it is: {deviation_m}");
 }
 
-/// Roll and pitch sway by 20 degrees at 0.5 Hz, and the attitude that levels the scans errs by half a degree. The
-/// specification asks for 15 cm, which is not reached: the base drives along a level floor while its body leans, which the
-/// aid against sliding takes for sliding.
+/// Roll and pitch sway by 20 degrees at 0.5 Hz, and the attitude that levels each scan errs by half a degree, anew each time.
+/// The specification asks a map for 15 cm on such a drive; without one, 2 % of the way of 9 m more.
 #[test]
-fn on_a_swaying_base_the_attitude_holds_and_the_way_does_not_yet() {
+fn on_a_swaying_base_attitude_and_way_hold() {
     let drive = Drive { seconds: 20.0, speed_m_s: 0.5, turn_rad_s: 0.3, sway_deg: 20.0, ..Drive::default() };
     let found = follow(&mut *localizer(&NavFilterParams::default()), &drive);
     let worst_m = found.iter().map(|(_, estimate, truth)| off(estimate, truth).0).fold(0.0, f64::max);
     let worst_deg = found.iter().skip(10).map(|(_, e, truth)| tilt_deg(e, truth)).fold(0.0, f64::max);
-    assert!(worst_m < 4.0, "{worst_m} m");
-    assert!(worst_deg < 3.0, "{worst_deg} degrees");
+    assert!(worst_m < 0.15 + 0.02 * 9.25, "{worst_m} m");
+    assert!(worst_deg < 1.0, "{worst_deg} degrees");
 }
 
 /// The specification's row: 45 degrees for five seconds, then level.
@@ -100,7 +99,7 @@ fn steep_for_five_seconds_and_level_again_it_is_where_it_was() {
     }
     let (_, last, truth) = found.last().unwrap();
     // While it is steep only beams abeam see walls.
-    assert!(off(last, truth).0 < 0.4, "{} m", off(last, truth).0);
+    assert!(off(last, truth).0 < 0.15, "{} m", off(last, truth).0);
 }
 
 #[test]

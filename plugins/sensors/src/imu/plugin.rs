@@ -62,7 +62,13 @@ impl Plugin<dyn Sensor> for ImuParams {
             is_dry: context.dry_run,
             live: None,
         };
-        Ok(Box::new(ImuSensor { seat: Seat::of(context), noise: self.noise(), rng: context.rng(), device, last_rates: None }))
+        Ok(Box::new(ImuSensor {
+            seat: Seat::of(context),
+            noise: self.noise(),
+            rng: context.rng(),
+            device,
+            last_rates: None,
+        }))
     }
 }
 

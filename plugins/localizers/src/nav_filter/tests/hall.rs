@@ -52,14 +52,19 @@ const IMU_HZ: f64 = 200.0;
 impl Drive {
     /// The base after so many seconds, in the hall.
     pub fn truth(&self, seconds: f64) -> Pose3 {
-        let way = Twist::new(self.speed_m_s, self.turn_rad_s).integrate(seconds);
-        let omega = std::f64::consts::PI;
-        let roll_deg = self.sway_deg * (omega * seconds).sin();
-        let sway_deg = self.sway_deg * (omega * seconds + 1.0).sin() - self.sway_deg * 1f64.sin();
-        let share = ((seconds - 1.0) / 0.5).clamp(0.0, 1.0) - ((seconds - 6.5) / 0.5).clamp(0.0, 1.0);
+        // It stands for a second and gets to its speed within another.
+        let since = (seconds - 1.0).max(0.0);
+        let gathering = since.min(1.0);
+        let driven_s = gathering.powi(3) - 0.5 * gathering.powi(4) + (since - 1.0).max(0.0);
+        let way = Twist::new(self.speed_m_s, self.turn_rad_s).integrate(driven_s);
         // It begins and ends to tilt smoothly, as bodies do.
-        let smooth = share * share * (3.0 - 2.0 * share);
-        let pitch_deg = sway_deg + self.steep_deg * smooth;
+        let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
+        let omega = std::f64::consts::PI;
+        let roll_deg = self.sway_deg * smooth((seconds - 1.0).clamp(0.0, 1.0)) * (omega * seconds).sin();
+        let sway_deg =
+            self.sway_deg * smooth((seconds - 1.0).clamp(0.0, 1.0)) * (omega * seconds + 1.0).sin();
+        let share = ((seconds - 1.0) / 0.5).clamp(0.0, 1.0) - ((seconds - 6.5) / 0.5).clamp(0.0, 1.0);
+        let pitch_deg = sway_deg + self.steep_deg * smooth(share);
         let tilt = UnitQuaternion::from_euler_angles(roll_deg.to_radians(), pitch_deg.to_radians(), 0.0);
         let place = lift(&(pose2(4.0, 3.5, 0.3) * way));
         place * Pose3::from_parts(Translation3::identity(), tilt)
