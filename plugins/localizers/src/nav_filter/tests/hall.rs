@@ -25,11 +25,19 @@ pub struct Device {
     pub force_noise_m_s2: f64,
     /// Of the attitude that levels the scans.
     pub attitude_deg: f64,
+    /// Where it sits on the base, meters.
+    pub arm_m: [f64; 3],
 }
 
 impl Default for Device {
     fn default() -> Self {
-        Device { rate_noise_rad_s: 0.005, rate_bias_rad_s: 0.005, force_noise_m_s2: 0.05, attitude_deg: 0.5 }
+        Device { rate_noise_rad_s: 0.005, rate_bias_rad_s: 0.005, force_noise_m_s2: 0.05, attitude_deg: 0.5, arm_m: [0.0; 3] }
+    }
+}
+
+impl Device {
+    fn mount(&self) -> Pose3 {
+        Pose3::from_parts(Vector3::from(self.arm_m).into(), UnitQuaternion::identity())
     }
 }
 
@@ -83,7 +91,7 @@ impl Drive {
         let mut all = Vec::new();
         for k in 0..(self.seconds * IMU_HZ) as usize {
             let t = k as f64 / IMU_HZ;
-            all.push(head(0, t, Pose3::identity(), Data::Imu(self.sample(t, &mut normal))));
+            all.push(head(0, t, self.device.mount(), Data::Imu(self.sample(t, &mut normal))));
             if k % every == 0 {
                 let truth = self.truth(t);
                 let mount = Pose3::from_parts(Translation3::new(0.1, 0.0, 0.4), UnitQuaternion::identity());
@@ -108,7 +116,8 @@ impl Drive {
         let h = 1e-3;
         let (before, now, after) = (self.truth(t - h), self.truth(t), self.truth(t + h));
         let rates = (before.rotation.inverse() * after.rotation).scaled_axis() / (2.0 * h);
-        let place = |pose: &Pose3| pose.translation.vector;
+        let arm = self.device.mount();
+        let place = |pose: &Pose3| (pose * arm).translation.vector;
         let acceleration = (place(&before) + place(&after) - place(&now) * 2.0) / (h * h);
         let forces = now.rotation.inverse() * (acceleration + Vector3::z() * 9.80665);
         let device = self.device;

@@ -28,12 +28,23 @@ fn holds(device: Device, bars: [f64; 3]) {
     }
 }
 
-const PERFECT: Device =
-    Device { rate_noise_rad_s: 0.0, rate_bias_rad_s: 0.0, force_noise_m_s2: 0.0, attitude_deg: 0.0 };
+const PERFECT: Device = Device {
+    rate_noise_rad_s: 0.0,
+    rate_bias_rad_s: 0.0,
+    force_noise_m_s2: 0.0,
+    attitude_deg: 0.0,
+    arm_m: [0.0; 3],
+};
 
 #[test]
 fn a_perfect_device_makes_next_to_no_errors() {
     holds(PERFECT, [0.10, 0.6, 2.0]);
+}
+
+/// On a base that sways, a device 30 cm over its middle feels 3 m/s² of that.
+#[test]
+fn a_device_beside_the_middle_makes_none_either() {
+    holds(Device { arm_m: [0.1, -0.05, 0.3], ..PERFECT }, [0.10, 0.6, 2.0]);
 }
 
 #[test]
