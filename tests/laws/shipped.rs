@@ -80,7 +80,7 @@ const NOT_APPLICABLE: [(&str, &[&str]); 10] = [
     ),
     (
         "an empty map is named where the map is needed",
-        &["gps_imu", "odometry", "recorded_pose", "scan_odometry"],
+        &["gps_imu", "nav_filter", "odometry", "recorded_pose", "scan_odometry"],
     ),
 ];
 

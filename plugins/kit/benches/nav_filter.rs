@@ -6,7 +6,7 @@ use divan::{Bencher, black_box};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::pose2;
 use rumbo_core::time::Time;
-use rumbo_kit::nav_filter::{GRAVITY_M_S2, ImuSample, NavFilter, NavSettings, PlanarPose};
+use rumbo_kit::nav_filter::{Fusion, GRAVITY_M_S2, ImuSample, NavFilter, NavSettings, PlanarPose};
 
 fn main() {
     divan::main();
@@ -47,6 +47,6 @@ fn one_late_step(bencher: Bencher<'_, '_>) {
     bencher.bench_local(|| {
         k += 1;
         filter.take_imu(Time(k * 5_000_000), &sample());
-        black_box(filter.take_step(Time((k - 10) * 5_000_000), Some(&step)))
+        black_box(filter.take_step(Time((k - 10) * 5_000_000), Some((&step, Fusion::Alone))))
     });
 }

@@ -29,6 +29,7 @@ pub use aids::{Aid, leveled_angles};
 pub use chain::{FrameChain, map_from_odom};
 pub use euler::{Degenerate, EulerState};
 pub use filter::{NavCounts, NavFilter, NavOutput, NavStatus};
+pub use fusion::Fusion;
 pub use intersection::{PlanarPose, best_omega, intersect, intersect_pose};
 pub use leveling::Leveler;
 pub use model::{Covariance, GRAVITY_M_S2, ImuSample, NavState, jacobian, noise, propagate};

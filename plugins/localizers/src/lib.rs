@@ -7,6 +7,7 @@ pub mod ekf_lines;
 pub mod gps_imu;
 pub mod landmark_noise;
 pub mod landmark_relaxation;
+pub mod nav_filter;
 pub mod number_faults;
 pub mod odometry;
 pub mod particle_filter;

@@ -1,6 +1,6 @@
 //! What else is known of the motion: which way is up, that the robot stands, that it does not slide (section 10.3).
 
-use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, SVector, Unit, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, SMatrix, SVector, Unit, UnitQuaternion, Vector2, Vector3};
 
 use super::model::{ATTITUDE, GRAVITY_M_S2, GYRO_BIAS, ImuSample, NavState, VELOCITY};
 use super::settings::NavSettings;
@@ -42,16 +42,36 @@ pub fn leveled_angles(forces_m_s2: &Vector3<f64>) -> [f64; 2] {
     [y.atan2(z), (-x).atan2(y.hypot(z))]
 }
 
-/// These forces are those of gravity, and the body turns slowly.
-pub fn is_gravity(sample: &ImuSample, settings: &NavSettings) -> bool {
-    let is_near = (sample.forces_m_s2.norm() - GRAVITY_M_S2).abs() <= settings.gravity_gate_m_s2;
-    is_near && sample.rates_rad_s.norm() <= settings.leveling_rate_rad_s
+/// These forces are those of gravity.
+pub fn is_gravity(forces_m_s2: &Vector3<f64>, settings: &NavSettings) -> bool {
+    (forces_m_s2.norm() - GRAVITY_M_S2).abs() <= settings.gravity_gate_m_s2
+}
+
+/// Standard deviation of a leveling, radians: beyond the gate of the rates it grows with the square of the rate, as what a
+/// device beside the axis of the turn feels.
+pub fn leveling_std_rad(rates_rad_s: &Vector3<f64>, settings: &NavSettings) -> f64 {
+    settings.leveling_std_rad * (rates_rad_s.norm() / settings.leveling_rate_rad_s).max(1.0).powi(2)
+}
+
+/// What is left of the forces of a body without those by which it is held on its curve, m/s². Only the turn about the vertical
+/// counts: as a body sways, what it is on goes straight on. `known` is how much the velocity counts, from 0 to 1.
+pub fn without_curve(state: &NavState, sample: &ImuSample, known: f64) -> Vector3<f64> {
+    let body_from_nav = state.nav_from_body.inverse();
+    let (velocity, up) = (body_from_nav * state.velocity_m_s, body_from_nav * Vector3::z());
+    let turn_rad_s = up.dot(&(sample.rates_rad_s - state.gyro_bias_rad_s));
+    sample.forces_m_s2 - state.accel_bias_m_s2 - up.cross(&velocity) * (turn_rad_s * known)
+}
+
+/// The attitude with the roll and pitch of these forces, and the yaw that it has.
+pub fn leveled_from(state: &NavState, forces_m_s2: &Vector3<f64>) -> UnitQuaternion<f64> {
+    let [roll_rad, pitch_rad] = leveled_angles(forces_m_s2);
+    UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, state.yaw_rad())
 }
 
 /// Up as the forces say, against up as the attitude says: two angles about axes that are level in the body.
 pub fn leveling(state: &NavState, forces_m_s2: &Vector3<f64>, std_rad: f64) -> Option<Aid<2>> {
     let up = state.nav_from_body.inverse() * Vector3::z();
-    let measured = Unit::try_new(forces_m_s2 - state.accel_bias_m_s2, 1e-6)?;
+    let measured = Unit::try_new(*forces_m_s2, 1e-6)?;
     // The turn of the body that makes the expected direction the measured one.
     let (axis, cosine) = (measured.cross(&up), measured.dot(&up));
     let (sine, angle) = (axis.norm(), axis.norm().atan2(cosine));
@@ -83,31 +103,27 @@ pub fn zero_rate(state: &NavState, rates_rad_s: &Vector3<f64>, std_rad_s: f64) -
     Aid { innovation: rates_rad_s - state.gyro_bias_rad_s, h, r: Matrix3::identity() * std_rad_s.powi(2) }
 }
 
-/// Velocity along the body's axes `first` and following, of which nothing should be there.
-fn body_velocity<const M: usize>(state: &NavState, axes: [usize; M], std_m_s: [f64; M]) -> Aid<M> {
-    let body_from_nav = state.nav_from_body.inverse().to_rotation_matrix();
-    let velocity = body_from_nav * state.velocity_m_s;
-    let by_attitude = velocity.cross_matrix();
+/// The robot neither slides sideways nor flies. Sideways is level here: however a body leans on its wheels or rolls on a
+/// slope, these take it to where it looks.
+pub fn no_sliding(state: &NavState, lateral_m_s: f64, vertical_m_s: f64) -> Aid<2> {
+    let (floor, vertical) =
+        (floor_velocity(state, &Vector2::zeros(), &Matrix2::zeros()), no_flying(state, vertical_m_s));
     let mut aid = Aid { innovation: SVector::zeros(), h: SMatrix::zeros(), r: SMatrix::zeros() };
-    for (row, (axis, std_m_s)) in axes.into_iter().zip(std_m_s).enumerate() {
-        aid.innovation[row] = -velocity[axis];
-        aid.r[(row, row)] = std_m_s.powi(2);
-        for col in 0..3 {
-            aid.h[(row, ATTITUDE + col)] = by_attitude[(axis, col)];
-            aid.h[(row, VELOCITY + col)] = body_from_nav[(axis, col)];
-        }
-    }
+    aid.innovation = Vector2::new(floor.innovation.y, vertical.innovation.x);
+    aid.h.set_row(0, &floor.h.row(1));
+    aid.h.set_row(1, &vertical.h.row(0));
+    aid.r = Matrix2::from_diagonal(&Vector2::new(lateral_m_s.powi(2), vertical_m_s.powi(2)));
     aid
 }
 
-/// The robot neither slides sideways nor flies.
-pub fn no_sliding(state: &NavState, lateral_m_s: f64, vertical_m_s: f64) -> Aid<2> {
-    body_velocity(state, [1, 2], [lateral_m_s, vertical_m_s])
-}
-
-/// The robot does not fly.
+/// The robot does not fly: the body has no velocity along its own vertical.
 pub fn no_flying(state: &NavState, vertical_m_s: f64) -> Aid<1> {
-    body_velocity(state, [2], [vertical_m_s])
+    let body_from_nav = state.nav_from_body.inverse().to_rotation_matrix();
+    let velocity = body_from_nav * state.velocity_m_s;
+    let mut h = SMatrix::<f64, 1, 15>::zeros();
+    h.fixed_view_mut::<1, 3>(0, ATTITUDE).copy_from(&velocity.cross_matrix().row(2));
+    h.fixed_view_mut::<1, 3>(0, VELOCITY).copy_from(&body_from_nav.matrix().row(2));
+    Aid { innovation: SVector::from([-velocity.z]), h, r: SMatrix::from([[vertical_m_s.powi(2)]]) }
 }
 
 /// Velocity over the floor, forward and to the left, in the level frame that looks where the body looks.

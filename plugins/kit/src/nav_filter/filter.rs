@@ -6,18 +6,20 @@ use rumbo_core::time::Time;
 
 use super::aids::{AidKind, floor_velocity, is_gravity, leveled_angles};
 use super::euler::angles_by_errors;
-use super::fusion::{anchor, fuse, planar, planar_rows, reckoned};
+use super::fusion::{Anchored, Fusion, anchor, fuse, planar, planar_rows, reckoned, take_alone};
 use super::history::{History, Moment, Tally};
 use super::intersection::PlanarPose;
 use super::leveling::is_reading;
-use super::model::{ACCEL_BIAS, ATTITUDE, Covariance, GYRO_BIAS, ImuSample, NavState, POSITION, VELOCITY};
+use super::model::{
+    ACCEL_BIAS, ATTITUDE, AnchorCross, Covariance, GYRO_BIAS, ImuSample, NavState, POSITION, VELOCITY,
+};
 use super::settings::{NavFault, NavSettings};
-use crate::compounded::compounded;
+use crate::compounded::by_parts;
 
 /// Least variance that is kept: below it a covariance counts as none.
 pub(super) const LEAST: f64 = 1e-10;
 /// Standard deviation of the velocity of a robot that begins anyhow, m/s.
-const START_M_S: f64 = 0.5;
+pub(super) const START_M_S: f64 = 0.5;
 
 /// How the filter is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,6 +103,7 @@ impl NavFilter {
         if let Some(now) = self.history.now() {
             let mut moment = now.clone();
             anchor(&mut moment);
+            moment.by_anchor = AnchorCross::zeros();
             self.history.begin(moment);
         }
         (self.odom_from_anchor, self.anchor_covariance) = (odom_from_base, covariance);
@@ -146,7 +149,8 @@ impl NavFilter {
         let nav_from_body = UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, 0.0);
         let state = NavState { nav_from_body, ..NavState::default() };
         let settings = &self.settings;
-        let tilt_rad = if is_gravity(sample, settings) { settings.leveling_std_rad } else { 0.5 };
+        let tilt_rad =
+            if is_gravity(&sample.forces_m_s2, settings) { settings.leveling_std_rad } else { 0.5 };
         let mut covariance = Covariance::zeros();
         for k in 0..3 {
             covariance[(ATTITUDE + k, ATTITUDE + k)] = tilt_rad.powi(2);
@@ -161,9 +165,12 @@ impl NavFilter {
             sample,
             state,
             covariance,
+            by_anchor: AnchorCross::zeros(),
             is_standing: false,
             last_aid,
             n_refused: [0; AidKind::COUNT],
+            wrong_since: None,
+            lean2: 0.0,
         };
         // The frame begins with the robot's own yaw, which is therefore certain.
         anchor(&mut moment);
@@ -184,17 +191,21 @@ impl NavFilter {
         Some(PlanarPose { pose: planar(&moment.state), covariance: c * moment.covariance * c.transpose() })
     }
 
-    /// Takes in how the robot moved over the floor from the last step to `stamp`, as scans tell it, by covariance
-    /// intersection; the next step begins there. Without a measurement it only begins there. Returns whether it was used.
-    pub fn take_step(&mut self, stamp: Time, step: Option<&PlanarPose>) -> bool {
+    /// Takes in how the robot moved over the floor from the last step to `stamp`, as scans tell it; the next step begins
+    /// there. Without a measurement it only begins there. Returns whether it was used.
+    pub fn take_step(&mut self, stamp: Time, step: Option<(&PlanarPose, Fusion)>) -> bool {
         let Some((place, mut moment)) = self.history.at(stamp, &self.settings) else {
             self.counts.n_untimely += 1;
             return false;
         };
         let mut tally = Tally::default();
-        let is_used = step.is_some_and(|step| fuse(&mut moment, step, &self.settings, &mut tally));
-        let (pose, covariance) = anchor(&mut moment);
-        self.begin_at(&pose, &covariance);
+        let is_used = step.is_some_and(|(step, fusion)| match fusion {
+            Fusion::Intersected => fuse(&mut moment, step, &self.settings, &mut tally),
+            Fusion::Alone => take_alone(&mut moment, step, &mut tally),
+        });
+        let anchored = anchor(&mut moment);
+        let (by_anchor, by_step) = self.begin_at(&anchored);
+        moment.by_anchor = by_anchor * moment.by_anchor + by_step * anchored.with_state;
         self.history.revise(place, moment, &self.settings);
         // What is older is seen from where the step before ended.
         self.history.forget_before(place);
@@ -205,20 +216,35 @@ impl NavFilter {
     /// Scans alone say how the robot moved since the last step: there are no samples of that time. Attitude and velocity stay
     /// as they were, and what comes next is a gap.
     pub fn carry_on(&mut self, step: &PlanarPose) {
+        let (pose, covariance) = (step.pose, step.covariance);
+        let alone =
+            Anchored { pose, covariance, with_anchor: Matrix3::zeros(), with_state: AnchorCross::zeros() };
+        let (by_anchor, _) = self.begin_at(&alone);
         if let Some(now) = self.history.now() {
             let mut moment = now.clone();
             anchor(&mut moment);
+            moment.by_anchor = by_anchor * moment.by_anchor;
             self.history.begin(moment);
         }
-        self.begin_at(&step.pose, &step.covariance);
         self.dead_reckoned *= step.pose;
     }
 
-    /// The anchor is there now, seen from where it was.
-    fn begin_at(&mut self, pose: &Pose2, covariance: &Matrix3<f64>) {
-        self.anchor_covariance =
-            compounded(&self.anchor_covariance, &self.odom_from_anchor, pose, covariance);
-        self.odom_from_anchor *= pose;
+    /// Where the last step ended.
+    pub fn odom_from_anchor(&self) -> Pose2 {
+        self.odom_from_anchor
+    }
+
+    /// The anchor is there now, seen from where it was. Returns how errors of the old one and
+    /// of the step move it.
+    fn begin_at(&mut self, to: &Anchored) -> (Matrix3<f64>, Matrix3<f64>) {
+        let (by_anchor, by_step) = by_parts(&self.odom_from_anchor, &to.pose);
+        let common = by_anchor * to.with_anchor * by_step.transpose();
+        let apart = by_anchor * self.anchor_covariance * by_anchor.transpose()
+            + by_step * to.covariance * by_step.transpose();
+        let sum = apart + common + common.transpose();
+        self.anchor_covariance = (sum + sum.transpose()) * 0.5;
+        self.odom_from_anchor *= to.pose;
+        (by_anchor, by_step)
     }
 
     /// Takes in a planar pose of that time, in the frame of the output, by covariance intersection. Returns whether it was
@@ -321,7 +347,9 @@ impl NavFilter {
         by_anchor[(5, 2)] = 1.0;
         by_anchor[(0, 2)] = -way.y;
         by_anchor[(1, 2)] = way.x;
-        let sum = own + by_anchor * self.anchor_covariance * by_anchor.transpose();
+        let common = by_anchor * moment.by_anchor * by_errors.transpose();
+        let sum =
+            own + by_anchor * self.anchor_covariance * by_anchor.transpose() + common + common.transpose();
         (sum + sum.transpose()) * 0.5
     }
 }

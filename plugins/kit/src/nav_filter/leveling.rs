@@ -3,7 +3,7 @@
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix6, SMatrix, UnitQuaternion, Vector3};
 use rumbo_core::time::Time;
 
-use super::aids::{is_gravity, leveled_angles, leveling};
+use super::aids::{is_gravity, leveled_angles, leveled_from, leveling, leveling_std_rad};
 use super::model::{ImuSample, NavState};
 use super::settings::NavSettings;
 use super::update::{CHI2_95, joseph};
@@ -18,6 +18,8 @@ pub struct Leveler {
     last: Option<(Time, ImuSample)>,
     last_aid: Option<Time>,
     n_rejected: u32,
+    /// Since when gravity has said all the time that the attitude is wrong.
+    wrong_since: Option<Time>,
 }
 
 impl Leveler {
@@ -31,6 +33,7 @@ impl Leveler {
             last: None,
             last_aid: None,
             n_rejected: 0,
+            wrong_since: None,
         }
     }
 
@@ -54,9 +57,9 @@ impl Leveler {
         }
         self.last = Some((stamp, *sample));
         let is_due = self.last_aid.is_none_or(|last| stamp - last >= self.settings.aid_period);
-        if is_due && is_gravity(sample, &self.settings) {
+        if is_due && is_gravity(&sample.forces_m_s2, &self.settings) {
             self.last_aid = Some(stamp);
-            self.level(sample);
+            self.level(stamp, sample);
         }
         true
     }
@@ -65,7 +68,11 @@ impl Leveler {
     fn begin(&mut self, sample: &ImuSample) {
         let [roll_rad, pitch_rad] = leveled_angles(&sample.forces_m_s2);
         self.nav_from_body = UnitQuaternion::from_euler_angles(roll_rad, pitch_rad, 0.0);
-        let std_rad = if is_gravity(sample, &self.settings) { self.settings.leveling_std_rad } else { 0.5 };
+        let std_rad = if is_gravity(&sample.forces_m_s2, &self.settings) {
+            self.settings.leveling_std_rad
+        } else {
+            0.5
+        };
         self.covariance = Matrix6::zeros();
         let bias2 = self.settings.gyro_bias_rad_s.powi(2);
         for k in 0..3 {
@@ -93,15 +100,21 @@ impl Leveler {
         self.nav_from_body.renormalize();
     }
 
-    fn level(&mut self, sample: &ImuSample) {
+    fn level(&mut self, stamp: Time, sample: &ImuSample) {
         let state = NavState { nav_from_body: self.nav_from_body, ..NavState::default() };
-        let Some(aid) = leveling(&state, &sample.forces_m_s2, self.settings.leveling_std_rad) else { return };
+        let std_rad = leveling_std_rad(&sample.rates_rad_s, &self.settings);
+        let Some(aid) = leveling(&state, &sample.forces_m_s2, std_rad) else { return };
         let mut h = SMatrix::<f64, 2, 6>::zeros();
         let across: Matrix2x3<f64> = aid.h.fixed_view::<2, 3>(0, 0).into_owned();
         h.fixed_view_mut::<2, 3>(0, 0).copy_from(&across);
         let r: Matrix2<f64> = aid.r;
         let Some(updated) = joseph(&self.covariance, &h, &r, &aid.innovation) else { return };
         if updated.mahalanobis2 > CHI2_95[1] {
+            let since = *self.wrong_since.get_or_insert(stamp);
+            if stamp - since >= self.settings.level_anew_after {
+                self.level_anew(&state, sample);
+                return;
+            }
             self.n_rejected += 1;
             if self.n_rejected > self.settings.max_rejects {
                 self.covariance *= 4.0;
@@ -109,11 +122,18 @@ impl Leveler {
             }
             return;
         }
-        self.n_rejected = 0;
+        (self.n_rejected, self.wrong_since) = (0, None);
         self.covariance = updated.covariance;
         let part = |at: usize| updated.change.fixed_rows::<3>(at).into_owned();
         self.nav_from_body *= UnitQuaternion::from_scaled_axis(part(0));
         self.gyro_bias_rad_s += part(3);
+    }
+
+    /// Somebody turned the robot over: roll and pitch are what gravity says, yaw stays.
+    fn level_anew(&mut self, state: &NavState, sample: &ImuSample) {
+        let nav_from_body = leveled_from(state, &sample.forces_m_s2);
+        self.begin(sample);
+        (self.nav_from_body, self.wrong_since, self.n_rejected) = (nav_from_body, None, 0);
     }
 
     /// The attitude; none before the first sample.

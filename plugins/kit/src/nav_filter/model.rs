@@ -10,6 +10,8 @@ pub const GRAVITY_M_S2: f64 = 9.80665;
 
 /// Covariance of the fifteen errors.
 pub type Covariance = SMatrix<f64, 15, 15>;
+/// What the errors of x, y, yaw of the anchor have in common with the fifteen.
+pub type AnchorCross = SMatrix<f64, 3, 15>;
 /// The fifteen errors.
 pub type Errors = SVector<f64, 15>;
 

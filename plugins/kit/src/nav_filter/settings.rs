@@ -19,10 +19,12 @@ pub struct NavSettings {
     pub accel_bias_m_s2: f64,
     /// The body is leveled by forces whose length is this near to gravity, m/s².
     pub gravity_gate_m_s2: f64,
-    /// And at rates up to this, rad/s.
+    /// At rates beyond this a leveling counts less, rad/s.
     pub leveling_rate_rad_s: f64,
     /// Standard deviation of roll and pitch by leveling, radians.
     pub leveling_std_rad: f64,
+    /// Where gravity has said for so long that roll and pitch are wrong, they are what it says; at once where the robot stands.
+    pub level_anew_after: Span,
     /// Standard deviation of the body's sideways velocity of a robot that cannot drive sideways, m/s; none for one that can.
     pub body_lateral_m_s: Option<f64>,
     /// Standard deviation of the body's vertical velocity, m/s.
@@ -97,6 +99,7 @@ impl Default for NavSettings {
             gravity_gate_m_s2: 0.5,
             leveling_rate_rad_s: 0.3,
             leveling_std_rad: 0.05,
+            level_anew_after: Span(1_000_000_000),
             body_lateral_m_s: Some(0.1),
             body_vertical_m_s: 0.1,
             standing_m_s: 0.01,
@@ -134,6 +137,7 @@ impl NavSettings {
             ("accel_limit", self.accel_limit_m_s2),
             ("rate_limit", self.rate_limit_rad_s),
             ("stale_after", self.stale_after.as_secs()),
+            ("level_anew_after", self.level_anew_after.as_secs()),
             ("max_rejects", f64::from(self.max_rejects)),
         ];
         let at_least_0 = [

@@ -1,6 +1,7 @@
 //! The inertial measurement unit as a sensor of the framework.
 
-use nalgebra::{Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Rotation3, Vector3};
+use rumbo_core::frames::Pose3;
 use rumbo_core::messages::{Check as _, Data, Imu, Observation, ObservationKind, Observations};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::rng::Rng;
@@ -29,6 +30,8 @@ pub struct ImuSensor {
     noise: ImuNoise,
     rng: Rng,
     device: Device,
+    /// When it was last asked, and what rates the base had then, rad/s.
+    last_rates: Option<(Time, Vector3<f64>)>,
 }
 
 /// The real one, should the world be real.
@@ -59,7 +62,13 @@ impl Plugin<dyn Sensor> for ImuParams {
             is_dry: context.dry_run,
             live: None,
         };
-        Ok(Box::new(ImuSensor { seat: Seat::of(context), noise: self.noise(), rng: context.rng(), device }))
+        Ok(Box::new(ImuSensor {
+            seat: Seat::of(context),
+            noise: self.noise(),
+            rng: context.rng(),
+            device,
+            last_rates: None,
+        }))
     }
 }
 
@@ -77,7 +86,8 @@ impl Sensor for ImuSensor {
         })?;
         match asked {
             Some(Some(attitude)) => {
-                let exact = seen_by(&attitude, &self.seat.base_from_sensor.rotation);
+                let exact = seen_by(cx.now, &attitude, &self.seat.base_from_sensor, self.last_rates);
+                self.last_rates = Some((cx.now, Vector3::from(attitude.rates_rad_s)));
                 // Errors must not hide nonsense.
                 exact.check()?;
                 push(&self.seat, cx.now, self.noise.read(&exact, cx.now, &mut self.rng), out);
@@ -133,18 +143,28 @@ impl Device {
     }
 }
 
-/// The base's attitude and motion as a device sees them that is mounted like this. The accelerations are those of the
-/// base's middle.
-fn seen_by(attitude: &Attitude, base_from_sensor: &UnitQuaternion<f64>) -> Imu {
+/// The base's attitude and motion as a device sees them that is mounted like this. Beside the base's middle it feels how the
+/// base turns, too; how that changes, it takes from the rates of the last time.
+fn seen_by(
+    now: Time,
+    attitude: &Attitude,
+    base_from_sensor: &Pose3,
+    before: Option<(Time, Vector3<f64>)>,
+) -> Imu {
     let [roll, pitch, yaw] = attitude.attitude_rad;
     let map_from_sensor =
-        Rotation3::from_euler_angles(roll, pitch, yaw) * base_from_sensor.to_rotation_matrix();
+        Rotation3::from_euler_angles(roll, pitch, yaw) * base_from_sensor.rotation.to_rotation_matrix();
     let (roll, pitch, yaw) = map_from_sensor.euler_angles();
-    let into_sensor = |vector: [f64; 3]| (base_from_sensor.inverse() * Vector3::from(vector)).into();
+    let (rates, arm_m) = (Vector3::from(attitude.rates_rad_s), base_from_sensor.translation.vector);
+    let change_rad_s2 = before
+        .filter(|(last, _)| now > *last)
+        .map_or(Vector3::zeros(), |(last, last_rates)| (rates - last_rates) / (now - last).as_secs());
+    let by_turning = rates.cross(&rates.cross(&arm_m)) + change_rad_s2.cross(&arm_m);
+    let into_sensor = |vector: Vector3<f64>| (base_from_sensor.rotation.inverse() * vector).into();
     Imu {
         attitude_rad: Some([roll, pitch, yaw]),
-        rates_rad_s: into_sensor(attitude.rates_rad_s),
-        accelerations_m_s2: into_sensor(attitude.accelerations_m_s2),
+        rates_rad_s: into_sensor(rates),
+        accelerations_m_s2: into_sensor(Vector3::from(attitude.accelerations_m_s2) + by_turning),
     }
 }
 

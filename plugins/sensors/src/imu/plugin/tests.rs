@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 use std::sync::atomic::Ordering;
 
+use nalgebra::{Translation3, UnitQuaternion};
 use rumbo_core::frames::{Pose3, wrap_angle};
 use rumbo_core::messages::SensorId;
 use rumbo_core::registry::{Registry, Stage};
@@ -79,7 +80,8 @@ fn a_simulated_device_sees_the_base_from_its_mount() {
             [0.2, 0.0, -9.81],
         ),
     ] {
-        let base_from_sensor = Pose3::new(Vector3::new(0.1, 0.0, 0.2), turn);
+        // On the axis of the turn it feels nothing of it.
+        let base_from_sensor = Pose3::new(Vector3::new(0.0, 0.0, 0.2), turn);
         let context = BuildContext { base_from_sensor, ..BuildContext::bare("sensor") };
         let imu = imu_of(&poll_in(&exact(), &context, &mut world(TURNING)).unwrap()[0]);
         let off: Vec<f64> =
@@ -89,6 +91,41 @@ fn a_simulated_device_sees_the_base_from_its_mount() {
         );
         is_near(imu.rates_rad_s, rates_rad_s);
         is_near(imu.accelerations_m_s2, accelerations_m_s2);
+    }
+}
+
+/// A body that rolls and pitches about its base, with a device beside that: what it feels is what bends its way, by second
+/// differences, and gravity.
+#[test]
+fn a_device_beside_the_middle_feels_how_the_base_turns() {
+    let arm = Pose3::new(Vector3::new(0.15, -0.1, 0.3), Vector3::new(0.2, 0.1, 0.5));
+    let context = BuildContext { base_from_sensor: arm, ..BuildContext::bare("sensor") };
+    let mut sensor: Box<dyn Sensor> = exact().build(&context).unwrap();
+    let truth = |t: f64| {
+        let tilt = UnitQuaternion::from_euler_angles(0.3 * (3.0 * t).sin(), 0.2 * (2.0 * t).cos(), 0.4 * t);
+        Pose3::from_parts(Translation3::identity(), tilt)
+    };
+    let (step_s, h, up) = (0.001, 1e-4, Vector3::z() * 9.81);
+    let trace = Trace::unwatched();
+    for k in 0..500 {
+        let t = f64::from(k) * step_s;
+        let (before, now, after) = (truth(t - h), truth(t), truth(t + h));
+        let rates = (before.rotation.inverse() * after.rotation).scaled_axis() / (2.0 * h);
+        let (roll, pitch, yaw) = now.rotation.euler_angles();
+        let attitude = Attitude {
+            attitude_rad: [roll, pitch, yaw],
+            rates_rad_s: rates.into(),
+            accelerations_m_s2: (now.rotation.inverse() * up).into(),
+        };
+        let mut out = Observations::default();
+        let mut cx = Cx { now: Time::from_secs(t), trace: &trace };
+        sensor.poll(&mut cx, &mut world(attitude), &mut out).unwrap();
+        let felt = Vector3::from(imu_of(&given(&out)[0]).accelerations_m_s2);
+        let place = |pose: &Pose3| (pose * arm).translation.vector;
+        let bent = (place(&before) + place(&after) - place(&now) * 2.0) / (h * h);
+        let expected = (now * arm).rotation.inverse() * (bent + up);
+        // The change of the rates is that of half a step ago.
+        assert!(k == 0 || (felt - expected).norm() < 0.005, "{t}: {felt} for {expected}");
     }
 }
 
