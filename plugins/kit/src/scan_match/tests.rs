@@ -152,3 +152,38 @@ fn what_is_not_to_be_believed_is_said() {
     assert_eq!(strict.judge(&found, &truth), MatchStatus::Diverged);
     assert!(match_scan::<GridLevel<'_>>(&[], &points, &truth, None, &settings).is_none());
 }
+
+#[test]
+fn new_ground_is_no_misfit() {
+    let mut scene = Scene::room(0.1);
+    let pose = pose2(0.3, -0.4, 0.2);
+    let mut points = scene.seen_from(&pose, 200);
+    for row in 0..scene.size.height {
+        for col in 104..scene.size.width {
+            let idx = scene.size.index(col, row);
+            scene.cells[idx] = 0.0;
+        }
+    }
+    let known = linearize(&scene.level(), &points, &pose);
+    assert_eq!(known.n_known, known.n_used);
+    close(known.known_cost(), known.mean_cost(), 1e-9, "all is known");
+    for k in 0..100 {
+        let beyond = pose.inverse() * rumbo_core::frames::Point2::new(5.0, -4.0 + 0.08 * f64::from(k));
+        points.push(beyond.x as f32, beyond.y as f32, 1.0);
+    }
+    let both = linearize(&scene.level(), &points, &pose);
+    assert_eq!((both.n_used - known.n_used, both.n_known), (100, known.n_known));
+    close(both.known_cost(), known.known_cost(), 1e-5, "with new ground");
+    assert!(both.mean_cost() > known.mean_cost() + 0.02, "{} {}", both.mean_cost(), known.mean_cost());
+    assert_eq!(linearize(&scene.level(), &ScanPoints::default(), &pose).known_cost(), 1.0);
+}
+
+#[test]
+fn a_good_start_needs_fewer_levels() {
+    let scenes = [0.05, 0.1, 0.2].map(Scene::room);
+    let levels: Vec<GridLevel<'_>> = scenes.iter().map(Scene::level).collect();
+    for (reach_m, n) in [(0.0, 1), (0.05, 1), (0.06, 2), (0.1, 2), (0.15, 3), (0.3, 3), (f64::INFINITY, 3)] {
+        assert_eq!(levels_within(&levels, reach_m).len(), n, "{reach_m} m");
+    }
+    assert!(levels_within::<GridLevel<'_>>(&[], 1.0).is_empty());
+}
