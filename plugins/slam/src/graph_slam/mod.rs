@@ -13,10 +13,12 @@ mod loops;
 mod nearest;
 mod params;
 mod plugin;
+mod predicting;
 mod registration;
 mod saved;
 mod sheet;
 mod surface;
+mod ties;
 mod tracker;
 
 #[cfg(test)]
