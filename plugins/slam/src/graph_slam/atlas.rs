@@ -1,7 +1,7 @@
 //! The key frames, and what is known between them.
 
 use super::nearest::NearestTable;
-use super::registration::{Expected, Registered, RegistrationSettings, register};
+use super::registration::RegistrationSettings;
 use super::surface::{SurfacePoint, Turn};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3};
@@ -54,7 +54,7 @@ const ODOMETER: RobustKernel = RobustKernel::Cauchy { c: 1.0 };
 /// Error of the odometer between two key frames beside that of the way, meters.
 const BETWEEN_FRAMES_M: f64 = 0.02;
 /// A turn of one radian is as long a way as this, meters.
-const TURN_AS_WAY_M: f64 = 0.5;
+pub(super) const TURN_AS_WAY_M: f64 = 0.5;
 
 /// Key frames with their graph.
 #[derive(Debug)]
@@ -64,16 +64,11 @@ pub(super) struct Atlas {
     pub graph: PoseGraph,
     optimizer: GraphOptimizer,
     /// Pairs that were registered, whether it worked or not.
-    tried: BTreeSet<(usize, usize)>,
+    pub tried: BTreeSet<(usize, usize)>,
     /// Ties of each frame: the other one, and how long the way is, meters.
     ways: Vec<Vec<(usize, f64)>>,
-    table: NearestTable,
-    table_of: Option<usize>,
-}
-
-/// The odometer binds a frame to the one before it; scans tie a frame to earlier ones.
-fn is_by_odometer(link: &Constraint) -> bool {
-    link.from.is_some_and(|from| from < link.to)
+    pub table: NearestTable,
+    pub table_of: Option<usize>,
 }
 
 impl Clone for Atlas {
@@ -149,7 +144,8 @@ impl Atlas {
         Some(())
     }
 
-    fn bind(
+    /// Adds what is known between two frames; the information is in the axes of the first one.
+    pub fn bind(
         &mut self,
         from: usize,
         to: usize,
@@ -173,84 +169,6 @@ impl Atlas {
         for (a, b) in [(from, to), (to, from)] {
             self.ways.iter_mut().skip(a).take(1).for_each(|ways| ways.push((b, way_m)));
         }
-    }
-
-    /// Registers `other` on `frame` from where it is expected; ties them when that can be believed.
-    pub fn tie(
-        &mut self,
-        frame: usize,
-        other: usize,
-        expected: &Pose2,
-        first_gate_m: f64,
-        is_loop: bool,
-    ) -> bool {
-        let pair = (frame.min(other), frame.max(other));
-        if frame == other || !self.tried.insert(pair) {
-            return false;
-        }
-        let Some(found) = self.registered(frame, other, expected, first_gate_m) else { return false };
-        let (c, share) = (self.settings.kernel_c, self.settings.believed_share);
-        let kernel = if is_loop { RobustKernel::Huber { c } } else { RobustKernel::Cauchy { c } };
-        self.bind(frame, other, found.reference_from_scan, found.information * share, kernel);
-        true
-    }
-
-    fn registered(
-        &mut self,
-        frame: usize,
-        other: usize,
-        expected: &Pose2,
-        first_gate_m: f64,
-    ) -> Option<Registered> {
-        if self.table_of != Some(frame) {
-            self.table.fill(self.frames.get(frame)?.surface.iter().copied());
-            self.table_of = Some(frame);
-        }
-        let scan = &self.frames.get(other)?.surface;
-        let expected = Expected {
-            reference_from_scan: *expected,
-            information: Matrix3::zeros(),
-            half_at: 1.0,
-            first_gate_m,
-        };
-        let found = register(&self.table, scan, &expected, &self.settings.registration)?;
-        let off = expected.reference_from_scan.inverse() * found.reference_from_scan;
-        let [most_m, most_rad] = self.settings.most_surprise;
-        let is_believed = found.overlap >= self.settings.least_overlap
-            && found.agreement >= self.settings.least_agreement
-            && off.translation.vector.norm() <= most_m
-            && off.rotation.angle().abs() <= most_rad;
-        is_believed.then_some(found)
-    }
-
-    /// Ties a frame to those before it, and to the nearest ones of earlier visits whose place is known well enough.
-    pub fn tie_neighbors(&mut self, frame: usize) {
-        for before in (frame.saturating_sub(self.settings.n_before)..frame).rev() {
-            let expected = self.pose(frame).inverse() * self.pose(before);
-            self.tie(frame, before, &expected, self.settings.registration.gate_m * 2.0, false);
-        }
-        let near = self.neighbors(frame);
-        let ways = self.ways_from(frame, self.settings.trusted_way_m);
-        let known = near.into_iter().filter(|other| ways.get(*other).is_some_and(|way| way.is_finite()));
-        for other in known.take(self.settings.n_neighbors).collect::<Vec<_>>() {
-            let expected = self.pose(frame).inverse() * self.pose(other);
-            self.tie(frame, other, &expected, self.settings.registration.gate_m * 2.0, false);
-        }
-    }
-
-    /// Frames near this one that are not its predecessors or successors, nearest first.
-    pub fn neighbors(&self, frame: usize) -> Vec<usize> {
-        let (here, reach_m) = (self.pose(frame), self.settings.neighbor_reach_m);
-        let mut near: Vec<(u64, usize)> = (0..self.frames.len())
-            .filter(|other| other.abs_diff(frame) > self.settings.n_before)
-            .filter_map(|other| {
-                let off = here.inverse() * self.pose(other);
-                let off_m = off.translation.vector.norm() + TURN_AS_WAY_M * off.rotation.angle().abs();
-                (off_m < reach_m).then_some(((off_m * 1e6) as u64, other))
-            })
-            .collect();
-        near.sort_unstable();
-        near.into_iter().map(|(_, other)| other).collect()
     }
 
     /// Shortest ways through the graph from a frame, meters; infinite beyond `most_m`.
@@ -299,23 +217,6 @@ impl Atlas {
         self.ways.iter_mut().for_each(Vec::clear);
         for constraint in self.graph.constraints().to_vec() {
             self.add_way(&constraint);
-        }
-    }
-
-    /// Registers all neighbors once more from where they are now, and optimizes.
-    pub fn refine(&mut self, n_rounds: usize) {
-        for _ in 0..n_rounds {
-            self.graph.retain(is_by_odometer);
-            self.tried.clear();
-            for frame in 0..self.frames.len() {
-                let before = (frame.saturating_sub(self.settings.n_before)..frame).rev();
-                let near = self.neighbors(frame).into_iter().take(self.settings.n_neighbors);
-                for other in before.chain(near).collect::<Vec<_>>() {
-                    let expected = self.pose(frame).inverse() * self.pose(other);
-                    self.tie(frame, other, &expected, self.settings.registration.gate_m, false);
-                }
-            }
-            self.optimize(10);
         }
     }
 

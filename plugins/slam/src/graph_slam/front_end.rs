@@ -27,6 +27,8 @@ pub(super) struct Prediction {
     pub deviation: [f64; 2],
     /// Pairs may be so far apart at the beginning, meters.
     pub first_gate_m: f64,
+    /// It has come so far by the odometer alone that what was seen before is no help.
+    pub is_far: bool,
 }
 
 /// Deviations at which the odometer pulls with half its weight.

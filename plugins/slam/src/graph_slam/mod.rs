@@ -13,10 +13,12 @@ mod loops;
 pub(crate) mod nearest;
 mod params;
 mod plugin;
+mod predicting;
 pub(crate) mod registration;
 mod saved;
 mod sheet;
 pub(crate) mod surface;
+mod ties;
 mod tracker;
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use super::front_end::{FrontEnd, Prediction, SURE_FIT};
 use super::gyro::{Gyro, Heading};
 use super::loops::{LoopSearch, LoopSettings, frames_of, thinned};
 use super::surface::{SurfaceLimits, SurfacePoint, surface_of};
-use nalgebra::{Matrix3, UnitComplex};
-use rumbo_core::frames::{Pose2, Pose3, interpolate2, lift};
+use nalgebra::Matrix3;
+use rumbo_core::frames::{Pose2, Pose3, lift};
 use rumbo_core::messages::{LaserScan, StampedPose};
 use rumbo_core::time::Time;
 use rumbo_kit::odometry_history::OdometryHistory;
@@ -101,19 +101,12 @@ pub(super) struct Tracker {
     pub n_moves: u64,
 }
 
-/// Errors of a guess without an odometer, shares of the gap between two scans.
-const GUESS_M_S: f64 = 1.0;
-const GUESS_RAD_S: f64 = 1.0;
 /// After so long without a scan the odometer is all there is, seconds.
 pub(super) const BLIND_AFTER_S: f64 = 1.0;
-/// Dead reckoning that may be farther off has nothing to be registered on, meters.
-const MOST_OFF_M: f64 = 0.5;
 /// A robot whose scans fit no better than this for some time is somewhere else.
 const POOR_FIT: f64 = 0.6;
 /// So many scans in a row may fit badly before it takes a good one to be sure again.
 const MISSED_BY_CHANCE: u32 = 2;
-/// Errors of a turn by the gyroscope: at least, radians; a drift, rad/s; and a share of the turn.
-const GYRO: [f64; 3] = [0.01, 0.01, 0.02];
 /// Lost robots look for themselves every so many scans.
 const LOOK_EVERY: u32 = 10;
 
@@ -185,50 +178,6 @@ impl Tracker {
         }
     }
 
-    fn predict(&self, stamp: Time) -> Prediction {
-        let Some(before) = self.before else {
-            let deviation = self.covariance.diagonal().map(f64::sqrt);
-            let off_m = deviation.x.max(deviation.y).max(1e-3);
-            let first_gate_m = (2.0 * off_m).clamp(0.3, 0.5);
-            let deviation = [off_m, deviation.z.max(1e-3)];
-            let here = self.frame_from_base;
-            return Prediction { frame_from_base: here, without_odometer: None, deviation, first_gate_m };
-        };
-        let seconds = (stamp - before.stamp).as_secs();
-        let odom_from_base = self.odom_at(stamp);
-        let [least_m, share_m, least_rad, share_rad] = self.settings.tie.odometer;
-        let share = if before.seconds > 0.0 { (seconds / before.seconds).min(3.0) } else { 0.0 };
-        let as_before = interpolate2(&Pose2::identity(), &before.motion, share);
-        let (mut motion, mut deviation) = match (before.odom_from_base, odom_from_base) {
-            (Some(last), Some(now)) => {
-                let motion = last.inverse() * now;
-                let off_m = least_m + share_m * motion.translation.vector.norm();
-                (motion, [off_m, least_rad + share_rad * motion.rotation.angle().abs()])
-            }
-            _ => (as_before, [least_m + GUESS_M_S * seconds, least_rad + GUESS_RAD_S * seconds]),
-        };
-        let heading = self.heading_at(stamp).zip(before.heading);
-        if let Some(turn_rad) = heading.and_then(|(now, then)| now.since(&then)) {
-            motion.rotation = UnitComplex::new(turn_rad);
-            let [least_rad, drift_rad_s, share] = GYRO;
-            deviation[1] = least_rad + drift_rad_s * seconds + share * turn_rad.abs();
-        }
-        let first_gate_m = (2.0 * deviation[0] + 10.0 * deviation[1]).clamp(0.3, 0.5);
-        let here = self.frame_from_base;
-        let without_odometer = (seconds <= BLIND_AFTER_S).then(|| [here, here * as_before]);
-        Prediction { frame_from_base: here * motion, without_odometer, deviation, first_gate_m }
-    }
-
-    /// The odometer at a time, as well as it is known yet.
-    pub fn odom_at(&self, stamp: Time) -> Option<Pose2> {
-        self.odometry.at(stamp).or_else(|| self.odometry.newest().map(|(_, pose)| pose))
-    }
-
-    fn heading_at(&self, stamp: Time) -> Option<Heading> {
-        let newest = || self.gyro.newest().1.and_then(|(newest, _)| self.gyro.at(newest));
-        self.gyro.at(stamp).or_else(newest)
-    }
-
     fn place(&mut self, surface: &[SurfacePoint], prediction: &Prediction) {
         if self.atlas.frames.is_empty() {
             self.fit = if surface.len() < self.settings.min_points { Fit::Guessed } else { Fit::Placed };
@@ -242,9 +191,12 @@ impl Tracker {
         // A lost robot would take the next best corridor for the one that it remembers.
         let is_lost = self.fit == Fit::Lost;
         // Nor is what was seen before a long way without scans any help.
-        let is_far = prediction.deviation[0] > MOST_OFF_M;
-        self.is_adrift |= is_far;
-        let found = if is_lost || is_far { None } else { self.front.place(&self.atlas, surface, prediction) };
+        self.is_adrift |= prediction.is_far;
+        let found = if is_lost || prediction.is_far {
+            None
+        } else {
+            self.front.place(&self.atlas, surface, prediction)
+        };
         if let Some(found) = found {
             self.frame_from_base = found.reference_from_scan;
             let information = found.information * self.settings.tie.believed_share;
