@@ -219,9 +219,11 @@ impl Params for RbpfSlamParams {
             &self.temporal_update_s,
             "a finite number",
         );
-        let is_band =
-            self.lowest_m < self.highest_m && self.lowest_m.is_finite() && self.highest_m.is_finite();
-        expect(is_band, "lowest_m", &self.lowest_m, "a finite number below highest_m");
+        for (key, value) in [("lowest_m", self.lowest_m), ("highest_m", self.highest_m)] {
+            expect(value.is_finite(), key, &value, "a finite number");
+        }
+        let is_upside_down = self.lowest_m >= self.highest_m;
+        expect(!is_upside_down, "lowest_m", &self.lowest_m, "less than highest_m");
         let is_span = self.min_range_m < self.max_range_m.min(self.max_usable_range_m);
         expect(is_span, "min_range_m", &self.min_range_m, "less than max_range_m and max_usable_range_m");
         expect(self.max_cells >= 4096, "max_cells", &self.max_cells, "4096 or more");

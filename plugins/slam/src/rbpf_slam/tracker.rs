@@ -127,13 +127,11 @@ impl Tracker {
         ));
         let in_start = turn * covariance * turn.transpose();
         let root = in_start.cholesky().map_or_else(Matrix3::zeros, |factor| factor.l());
-        let at = coordinates(&(self.map_from_start.inverse() * map_from_base));
-        let mut is_first = true;
-        self.filter.place(|rng| {
+        let start_from_base = self.map_from_start.inverse() * map_from_base;
+        let at = coordinates(&start_from_base);
+        self.filter.place(&start_from_base, |rng| {
             let drawn = at + root * Vector3::from(noisy([0.0; 3], [1.0; 3], rng));
-            let place = if is_first { at } else { drawn };
-            is_first = false;
-            pose2(place.x, place.y, place.z)
+            pose2(drawn.x, drawn.y, drawn.z)
         });
         let deviation = |k: usize| covariance[(k, k)].max(0.0);
         self.follower.clear();
