@@ -132,7 +132,7 @@ fn a_clone_shares_all_tiles_until_one_is_written_and_then_all_others() {
 fn a_scan_is_matched_with_tiles_as_with_the_grid_that_they_are_written_to() {
     let map = some_map(2, 20);
     let mut grid = None;
-    GridExport::default().write(&map, &mut grid, 1 << 24).unwrap();
+    GridExport::default().write(&map, &Pose2::identity(), &mut grid, 1 << 24).unwrap();
     let (grid, view) = (grid.unwrap(), LevelView::new(map.finest().unwrap()));
     let mut rng = stream(3, "points");
     let mut points = ScanPoints::default();
@@ -174,22 +174,28 @@ fn a_grid_that_is_kept_up_to_date_is_the_grid_that_is_made_anew() {
     );
     let mut map = some_map(3, 3);
     let mut other = map.clone();
-    for k in 0..12 {
+    for k in 0u32..12 {
         let far = pose2(f64::from(k) - 6.0, 3.0 * f64::from(k), 0.3);
-        painter(AREA).paint(&mut map, &random_scan(&mut rng), &far, &Pose3::identity(), 20_000 + k as u64);
+        painter(AREA).paint(
+            &mut map,
+            &random_scan(&mut rng),
+            &far,
+            &Pose3::identity(),
+            20_000 + u64::from(k),
+        );
         painter(AREA).paint(
             &mut other,
             &random_scan(&mut rng),
             &random_pose(&mut rng),
             &Pose3::identity(),
-            30_000 + k as u64,
+            30_000 + u64::from(k),
         );
         // Now the one and then the other, as the best of several changes.
         let best = if k % 3 == 0 { &other } else { &map };
         export.write(best, &Pose2::identity(), &mut grid, 1 << 24).unwrap();
         same_cells(best, grid.as_ref().unwrap());
     }
-    let too_large = GridExport::default().write(&map, &mut None, 4096);
+    let too_large = GridExport::default().write(&map, &Pose2::identity(), &mut None, 4096);
     assert!(matches!(too_large, Err(ExportFault::TooLarge { max_cells: 4096, .. })));
 }
 

@@ -92,10 +92,12 @@ impl Filter {
         self.particles.get(self.best_index())
     }
 
-    /// Puts every particle to a place of its own, with the map that it has.
-    pub fn place(&mut self, mut draw: impl FnMut(&mut rumbo_core::rng::Rng) -> Pose2) {
+    /// Puts the best particle here and every other to a place of its own around, each with the map that it has.
+    pub fn place(&mut self, map_from_base: &Pose2, mut draw: impl FnMut(&mut rumbo_core::rng::Rng) -> Pose2) {
         let mut rng = self.streams.numbered(self.steps.wrapping_mul(STREAMS_A_STEP) + STREAMS_A_STEP - 2);
         self.particles.iter_mut().for_each(|particle| particle.map_from_base = draw(&mut rng));
+        let best = self.best_index();
+        self.particles.iter_mut().skip(best).take(1).for_each(|best| best.map_from_base = *map_from_base);
     }
 
     /// Weights of the particles that sum to 1.

@@ -129,14 +129,14 @@ impl Default for RbpfSlamParams {
             recent_scans: 6,
             noise_m: 0.02,
             loose_noise_m: 0.3,
-            roughness_m: 0.03,
+            roughness_m: 0.06,
             gate_m: 0.2,
-            believed_share: 0.05,
+            believed_share: 0.2,
             least_overlap: 0.4,
             least_agreement: 0.35,
             unseen_turn_deg: 18.0,
-            step_floor_m: 0.005,
-            step_floor_deg: 0.1,
+            step_floor_m: 0.002,
+            step_floor_deg: 0.03,
             min_range_m: 0.1,
             max_usable_range_m: 40.0,
             max_range_m: 30.0,
@@ -144,7 +144,7 @@ impl Default for RbpfSlamParams {
             highest_m: 1.0,
             max_points: 0,
             full_weight_spacing_m: 0.0,
-            likelihood_variance: 0.15,
+            likelihood_variance: 0.6,
             ogain: 3.0,
             minimum_score: 0.3,
             min_points: 30,
@@ -219,9 +219,11 @@ impl Params for RbpfSlamParams {
             &self.temporal_update_s,
             "a finite number",
         );
-        let is_band =
-            self.lowest_m < self.highest_m && self.lowest_m.is_finite() && self.highest_m.is_finite();
-        expect(is_band, "lowest_m", &self.lowest_m, "a finite number below highest_m");
+        for (key, value) in [("lowest_m", self.lowest_m), ("highest_m", self.highest_m)] {
+            expect(value.is_finite(), key, &value, "a finite number");
+        }
+        let is_upside_down = self.lowest_m >= self.highest_m;
+        expect(!is_upside_down, "lowest_m", &self.lowest_m, "less than highest_m");
         let is_span = self.min_range_m < self.max_range_m.min(self.max_usable_range_m);
         expect(is_span, "min_range_m", &self.min_range_m, "less than max_range_m and max_usable_range_m");
         expect(self.max_cells >= 4096, "max_cells", &self.max_cells, "4096 or more");

@@ -253,6 +253,6 @@ pub fn restore(tracker: &mut Tracker, bytes: &[u8]) -> Result<(), SlamError> {
         let wanted = format!("{n_levels} levels and cells of {resolution_m} m");
         return Err(SlamError::Other(format!("the saved maps do not have the {wanted} of this pipeline")));
     }
-    (tracker.is_started, tracker.is_resumed) = (true, true);
+    (tracker.is_started, tracker.may_be_another_clock) = (true, true);
     Ok(())
 }

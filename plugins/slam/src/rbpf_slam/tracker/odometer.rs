@@ -101,9 +101,10 @@ impl Odometer {
         self.velocity = if is_sound { twist } else { Twist::ZERO };
     }
 
-    /// The robot may have been carried.
-    pub fn forget_velocity(&mut self) {
-        self.velocity = Twist::ZERO;
+    /// What comes next has nothing to do with what came before, and the robot is where it is said to be.
+    pub fn forget(&mut self) {
+        self.history.clear();
+        (self.at_scan, self.stray, self.velocity) = (None, [0.0; 2], Twist::ZERO);
     }
 
     /// The time that is known best, and the step to it from the last scan: by readings that are newer.
