@@ -2,9 +2,9 @@
 
 use super::aids::{Aid, yaw_by_errors};
 use super::filter::LEAST;
-use super::history::{Moment, Tally};
 use super::intersection::{PlanarPose, intersect, intersect_pose};
 use super::model::{ATTITUDE, AnchorCross, Covariance, NavState, POSITION, VELOCITY};
+use super::moment::{Moment, Tally};
 use super::settings::{Intersected, NavSettings};
 use super::update::{CHI2_95, joseph};
 use nalgebra::{Matrix3, Rotation2, SMatrix, UnitQuaternion, Vector3};

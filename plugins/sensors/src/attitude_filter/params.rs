@@ -23,7 +23,7 @@ pub struct AttitudeFilterParams {
     pub gyro_bias_deg_s: f64,
     /// Accelerations whose length is this near to gravity level the attitude, m/s².
     pub gravity_gate_m_s2: f64,
-    /// At turning rates up to this, degrees a second.
+    /// At turning rates beyond this, leveling counts less, degrees a second.
     pub leveling_rate_deg_s: f64,
     /// Standard deviation of a leveling, degrees: on a robot that speeds up and brakes, more.
     pub leveling_std_deg: f64,

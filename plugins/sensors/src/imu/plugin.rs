@@ -87,9 +87,9 @@ impl Sensor for ImuSensor {
         match asked {
             Some(Some(attitude)) => {
                 let exact = seen_by(cx.now, &attitude, &self.seat.base_from_sensor, self.last_rates);
-                self.last_rates = Some((cx.now, Vector3::from(attitude.rates_rad_s)));
                 // Errors must not hide nonsense.
                 exact.check()?;
+                self.last_rates = Some((cx.now, Vector3::from(attitude.rates_rad_s)));
                 push(&self.seat, cx.now, self.noise.read(&exact, cx.now, &mut self.rng), out);
                 Ok(())
             }

@@ -31,7 +31,13 @@ pub struct Device {
 
 impl Default for Device {
     fn default() -> Self {
-        Device { rate_noise_rad_s: 0.005, rate_bias_rad_s: 0.005, force_noise_m_s2: 0.05, attitude_deg: 0.5, arm_m: [0.0; 3] }
+        Device {
+            rate_noise_rad_s: 0.005,
+            rate_bias_rad_s: 0.005,
+            force_noise_m_s2: 0.05,
+            attitude_deg: 0.5,
+            arm_m: [0.0; 3],
+        }
     }
 }
 

@@ -130,6 +130,22 @@ fn a_device_beside_the_middle_feels_how_the_base_turns() {
 }
 
 #[test]
+fn rates_that_are_none_are_not_remembered() {
+    let context = BuildContext {
+        base_from_sensor: Pose3::new(Vector3::x(), Vector3::zeros()),
+        ..BuildContext::bare("sensor")
+    };
+    let mut sensor: Box<dyn Sensor> = exact().build(&context).unwrap();
+    let trace = Trace::unwatched();
+    let mut poll = |stamp: i64, attitude: Attitude| {
+        let mut out = Observations::default();
+        sensor.poll(&mut Cx { now: Time(stamp), trace: &trace }, &mut world(attitude), &mut out)
+    };
+    assert!(poll(1_000, Attitude { rates_rad_s: [0.0, 0.0, f64::NAN], ..TURNING }).is_err());
+    assert!(poll(2_000, TURNING).is_ok());
+}
+
+#[test]
 fn a_recording_is_passed_on_and_nonsense_is_an_error() {
     let recorded = Observation {
         sensor: SensorId(9),
