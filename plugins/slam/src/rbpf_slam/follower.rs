@@ -194,6 +194,7 @@ impl Follower {
             reference_from_scan: *step_from_expected,
             information: covariance.try_inverse()? / self.settings.believed_share,
             first_gate_m: (2.0 * off_m + 10.0 * off_rad).clamp(0.3, 0.5),
+            half_at: f64::INFINITY,
         };
         register(&self.table, surface, &expected, &self.settings.registration)
     }
