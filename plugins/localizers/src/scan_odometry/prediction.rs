@@ -68,7 +68,7 @@ impl Motion {
     pub fn take_imu(&mut self, stamp: Time, base_from_sensor: &Pose3, imu: &Imu) -> bool {
         let rate_rad_s = (base_from_sensor.rotation * Vector3::from(imu.rates_rad_s)).z;
         let is_new = self.gyro.back().is_none_or(|(last, _)| stamp > *last);
-        if !(is_new && rate_rad_s.abs() <= FASTEST_TURN_RAD_S) || !self.prediction.has_gyro() {
+        if !(is_new && rate_rad_s.abs() <= FASTEST_TURN_RAD_S && self.prediction.has_gyro()) {
             return false;
         }
         self.gyro.push_back((stamp, rate_rad_s));
