@@ -24,6 +24,8 @@ pub struct MatchSettings {
     pub converge_m: f64,
     /// With a smaller turn, radians.
     pub converge_rad: f64,
+    /// A step of so few cells ends a coarse level, too: the next finer one goes on from there anyway.
+    pub coarse_converge_cells: f64,
     /// Damping of the first step of a level.
     pub first_damping: f64,
     /// Which directions are seen.
@@ -41,6 +43,7 @@ impl Default for MatchSettings {
             max_step_rad: 0.2,
             converge_m: 1e-4,
             converge_rad: 1e-4,
+            coarse_converge_cells: 0.02,
             first_damping: 1e-3,
             observability: ObservabilitySettings::default(),
             covariance: CovarianceSettings::default(),
@@ -52,9 +55,6 @@ impl Default for MatchSettings {
 const MOST_DAMPING: f64 = 1e6;
 /// Damping below which it changes nothing.
 const LEAST_DAMPING: f64 = 1e-9;
-
-/// A step of so few cells ends a coarse level: the next finer one goes on from there anyway.
-const COARSE_CELLS: f64 = 0.02;
 
 /// What came of a match.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,8 +100,9 @@ pub fn match_scan<L: MatchLevel>(
     let start = linearize(finest, points, map_from_start);
     let mut map_from_base = *map_from_start;
     for level in coarse.iter().rev() {
+        let enough_cells = settings.coarse_converge_cells;
         (map_from_base, _) =
-            search.descend(level, map_from_base, settings.coarse_iterations, None, COARSE_CELLS);
+            search.descend(level, map_from_base, settings.coarse_iterations, None, enough_cells);
     }
     // Without coarse levels the search begins where the first look was.
     let first = coarse.is_empty().then_some(start);

@@ -270,6 +270,8 @@ impl GraphSlamParams {
                 max_range_m: self.max_range_m,
                 window_m: 0.25,
                 most_rough_m: 0.03,
+                reach_beams: 15.0,
+                steepest: 15.0,
             },
             tie: self.tie(),
             loops: LoopSettings {

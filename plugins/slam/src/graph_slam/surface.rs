@@ -59,16 +59,16 @@ pub(crate) struct SurfaceLimits {
     pub window_m: f64,
     /// Points that lie farther from their line (root mean square) are no surface, meters.
     pub most_rough_m: f64,
+    /// A surface reaches so many times what two beams are apart on a wall seen straight on, if that is more: far along a
+    /// corridor beams meet the walls at a slant, and points with fewer than three on their surface tell no direction.
+    pub reach_beams: f32,
+    /// Neighbors farther apart than so many times what their beams would be on a wall seen straight on are parts of
+    /// different things.
+    pub steepest: f32,
 }
 
 /// Beams to each side that tell the direction of a surface at most.
 const MOST_NEIGHBORS: usize = 8;
-/// A surface reaches so many times what two beams are apart on a wall seen straight on, if that is more: far along a
-/// corridor beams meet the walls at a slant, and points with fewer than three on their surface tell no direction.
-const REACH_BEAMS: f32 = 15.0;
-/// Neighbors farther apart than so many times what their beams would be on a wall seen straight on are parts of
-/// different things.
-const STEEPEST: f32 = 15.0;
 
 /// The points of a scan in the base frame; roll and pitch of the sensor count.
 pub(crate) fn surface_of(
@@ -119,7 +119,7 @@ fn normal_at(
 ) -> [f32; 2] {
     let mut sums = Sums::default();
     sums.add([0.0; 2]);
-    let reach_m = (limits.window_m as f32).max(REACH_BEAMS * step_rad * range_m);
+    let reach_m = (limits.window_m as f32).max(limits.reach_beams * step_rad * range_m);
     let before = placed.get(..idx).unwrap_or_default().iter().rev().take(MOST_NEIGHBORS);
     let after = placed.get(idx + 1..).unwrap_or_default().iter().take(MOST_NEIGHBORS);
     let mut walk = |neighbors: &mut dyn Iterator<Item = &Option<([f32; 2], f32)>>| {
@@ -129,7 +129,7 @@ fn normal_at(
             let gap_m = (place[0] - last.0[0]).hypot(place[1] - last.0[1]);
             let off = [place[0] - at[0], place[1] - at[1]];
             let is_far = off[0].hypot(off[1]) > reach_m;
-            if is_far || gap_m > (STEEPEST * step_rad * range_m.min(last.1)).max(0.05) {
+            if is_far || gap_m > (limits.steepest * step_rad * range_m.min(last.1)).max(0.05) {
                 return;
             }
             sums.add(off);

@@ -31,7 +31,7 @@ impl RbpfSlamParams {
                 full_weight_spacing_m: self.full_weight_spacing_m,
                 ..ScanPreparation::default()
             },
-            matching: MatchSettings::default(),
+            matching: MatchSettings { coarse_converge_cells: 0.0, ..MatchSettings::default() },
             gate: MatchGate {
                 min_points: self.min_points as usize,
                 max_correction_m: self.max_correction_m,
@@ -63,6 +63,10 @@ impl RbpfSlamParams {
                 max_range_m: self.max_usable_range_m,
                 window_m: SURFACE_M,
                 most_rough_m: self.roughness_m,
+                // Walls far along a corridor stay without a direction: what they say of the way is too much for particles
+                // that shall keep what nobody knows.
+                reach_beams: 2.5,
+                steepest: 6.0,
             },
             registration: RegistrationSettings {
                 across_m: self.noise_m,
