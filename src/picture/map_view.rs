@@ -19,7 +19,7 @@ pub const SIGNS: [Sign; 14] = [
     Sign { role: Role::Goal, words: "goal" },
     Sign { role: Role::Truth, words: "true way" },
     Sign { role: Role::Estimate, words: "estimated way" },
-    Sign { role: Role::AtTheTime, words: "as estimated at the time" },
+    Sign { role: Role::AtTheTime, words: "thought at the time" },
     Sign { role: Role::Ellipse, words: "95 % of the estimate" },
     Sign { role: Role::Path, words: "planned path" },
     Sign { role: Role::OldPath, words: "earlier path" },
