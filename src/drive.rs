@@ -1,7 +1,7 @@
 //! One run of a pipeline, watched.
 
 use crate::outcome::Outcome;
-use crate::record::{Recorder, RunRecord};
+use crate::record::{Recorder, RunRecord, way};
 use rumbo_core::engine::{Engine, EngineError, Metrics, Observer, RunEnd};
 use rumbo_core::map::Map;
 use rumbo_core::pipeline::Pipeline;
@@ -63,6 +63,8 @@ pub fn drive_engine(
     let outcome = Outcome::new(pipeline, &metrics, &end, &map, wall);
     let mut record = recorder.finish(pipeline, file, &map, config.to_owned());
     record.outcome = Some(outcome);
+    // Without [slam], and where it cannot say (which --trajectory tells), what was thought at the time is all there is.
+    record.known_way = engine.trajectory().map(|poses| way(&poses)).unwrap_or_default();
     Driven { record, map, end }
 }
 

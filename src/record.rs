@@ -2,7 +2,7 @@
 
 mod recorder;
 
-pub use recorder::Recorder;
+pub use recorder::{Recorder, way};
 
 use crate::outcome::Outcome;
 use crate::picture::MapImage;
@@ -105,6 +105,9 @@ pub struct RunRecord {
     pub goals: Vec<[f64; 2]>,
     /// Moments, evenly spaced.
     pub samples: Vec<Sample>,
+    /// The way as `[slam]` knows it at the end, meters; empty where it keeps none.
+    #[serde(default)]
+    pub known_way: Vec<[f64; 2]>,
     /// Paths, oldest first.
     pub paths: Vec<PathRecord>,
     /// Obstacles that the map does not show: x, y, radius, meters.
@@ -249,6 +252,7 @@ pub fn test_record() -> RunRecord {
         map: Some(MapImage { width: 40, height: 30, pixel_m: 0.1, origin: [-0.5, -1.0, 0.0], gray }),
         walls: vec![[[-0.4, -0.9], [3.2, -0.9]]],
         seen: Vec::new(),
+        known_way: Vec::new(),
         plan_drawings: Vec::new(),
         config: "name = \"a room & <its> robot\"\n".into(),
     }

@@ -14,11 +14,12 @@ pub struct Sign {
 }
 
 /// The legend, in reading order.
-pub const SIGNS: [Sign; 13] = [
+pub const SIGNS: [Sign; 14] = [
     Sign { role: Role::Start, words: "start" },
     Sign { role: Role::Goal, words: "goal" },
     Sign { role: Role::Truth, words: "true way" },
     Sign { role: Role::Estimate, words: "estimated way" },
+    Sign { role: Role::AtTheTime, words: "thought at the time" },
     Sign { role: Role::Ellipse, words: "95 % of the estimate" },
     Sign { role: Role::Path, words: "planned path" },
     Sign { role: Role::OldPath, words: "earlier path" },
@@ -164,7 +165,13 @@ impl<'a> MapView<'a> {
                 self.ring(sketch, Role::Ellipse, outline.into_iter());
             }
         }
-        self.chain(sketch, Role::Estimate, located().map(|s| [s.estimate[0], s.estimate[1]]));
+        // What it knows at the end lies where the map was drawn from; what it thought before does not.
+        let knows_better = !record.known_way.is_empty();
+        let role = if knows_better { Role::AtTheTime } else { Role::Estimate };
+        self.chain(sketch, role, located().map(|s| [s.estimate[0], s.estimate[1]]));
+        if knows_better {
+            self.chain(sketch, Role::Estimate, record.known_way.iter().copied());
+        }
     }
 
     fn obstacles(&mut self, sketch: &mut Sketch) {
@@ -228,6 +235,7 @@ fn extent(record: &RunRecord) -> [f64; 4] {
             take([sample.estimate[0], sample.estimate[1]], MARGIN_M);
         }
     }
+    record.known_way.iter().for_each(|place| take(*place, MARGIN_M));
     record.goals.iter().for_each(|goal| take(*goal, MARGIN_M));
     record.start.iter().for_each(|[x, y, _]| take([*x, *y], MARGIN_M));
     if edges[0] < edges[2] { edges } else { [-1.0, -1.0, 1.0, 1.0] }
@@ -289,6 +297,30 @@ mod tests {
         let (sketch, _) = MapView::new(&record, 400.0, 300.0).draw();
         let Some(Shape::Chain { points, .. }) = sketch.shapes.first() else { panic!("no wall") };
         assert!((points[1][0] - points[0][0]) > 350.0, "{points:?}");
+    }
+
+    #[test]
+    fn a_way_that_is_known_better_at_the_end_is_the_estimate() {
+        let mut record = test_record();
+        let of = |record: &RunRecord, role: Role| -> Vec<Vec<[f64; 2]>> {
+            let (sketch, signs) = MapView::new(record, 400.0, 300.0).draw();
+            let chains: Vec<Vec<[f64; 2]>> = sketch
+                .shapes
+                .into_iter()
+                .filter_map(|shape| match shape {
+                    Shape::Chain { role: found, points, .. } if found == role => Some(points),
+                    _ => None,
+                })
+                .filter(|points| points.len() > 1)
+                .collect();
+            assert_eq!(chains.is_empty(), !signs.iter().any(|sign| sign.role == role));
+            chains
+        };
+        assert!(of(&record, Role::AtTheTime).is_empty());
+        let at_the_time = of(&record, Role::Estimate);
+        record.known_way = vec![[0.0, 0.0], [0.5, 0.5], [1.0, 0.5]];
+        assert_eq!(of(&record, Role::AtTheTime), at_the_time);
+        assert_eq!(of(&record, Role::Estimate)[0].len(), 3);
     }
 
     #[test]

@@ -17,8 +17,10 @@ pub enum Role {
     Note,
     /// Where the robot really was.
     Truth,
-    /// Where it thought it was.
+    /// Where it thought it was, as it knows at the end where it keeps that.
     Estimate,
+    /// Where it thought it was at the time, where it knew better at the end.
+    AtTheTime,
     /// How sure it was.
     Ellipse,
     /// The path that it followed last.
@@ -74,7 +76,7 @@ pub struct Style {
 
 impl Role {
     /// All of them.
-    pub const ALL: [Role; 25] = [
+    pub const ALL: [Role; 26] = [
         Role::Paper,
         Role::Frame,
         Role::Rule,
@@ -82,6 +84,7 @@ impl Role {
         Role::Note,
         Role::Truth,
         Role::Estimate,
+        Role::AtTheTime,
         Role::Ellipse,
         Role::Path,
         Role::OldPath,
@@ -126,6 +129,7 @@ impl Role {
             Role::Note => filled("note", (0x59616b, 0xa2abb6), 1.0),
             Role::Truth => line("truth", BLUE, 3.2),
             Role::Estimate => line("estimate", ORANGE, 1.5),
+            Role::AtTheTime => Style { dash: Some((1.5, 3.0)), ..line("at-the-time", ORANGE, 0.8) },
             Role::Ellipse => Style { width: 0.8, stroke: Some(ORANGE), ..filled("ellipse", ORANGE, 0.12) },
             Role::Path => Style { dash: Some((7.0, 4.0)), ..line("path", PURPLE, 1.8) },
             Role::OldPath => Style { dash: Some((2.0, 4.0)), ..line("old-path", PURPLE, 1.4) },

@@ -5,6 +5,7 @@ use crate::picture::MapImage;
 use rumbo_core::engine::{EventKind, Observer, State, StepView};
 use rumbo_core::frames::{Pose2, flatten};
 use rumbo_core::map::{Lines, Map};
+use rumbo_core::messages::StampedPose;
 use rumbo_core::pipeline::Pipeline;
 use rumbo_core::time::{Span, Time};
 use rumbo_core::trace::Drawing;
@@ -67,6 +68,7 @@ impl Recorder {
             start: self.start,
             goals: mission.waypoints.iter().map(|waypoint| [waypoint.x_m, waypoint.y_m]).collect(),
             samples: self.samples,
+            known_way: Vec::new(),
             paths: self.paths,
             obstacles: self.obstacles.iter().map(|cm| cm.map(|v| f64::from(v) * 0.01)).collect(),
             events: self.events,
@@ -182,6 +184,13 @@ fn walls(lines: &Lines) -> Vec<[[f64; 2]; 2]> {
 /// Whole centimeters: a picture shows no more.
 fn in_cm(v: f64) -> f64 {
     (v * 100.0).round() * 0.01
+}
+
+/// Poses as a way that a picture can show: as many places as moments are kept.
+pub fn way(poses: &[StampedPose]) -> Vec<[f64; 2]> {
+    let stride = poses.len().div_ceil(ROOM).max(1);
+    let places = poses.iter().map(|pose| pose.map_from_base.translation.vector);
+    places.step_by(stride).map(|place| [in_cm(place.x), in_cm(place.y)]).collect()
 }
 
 fn plan_drawing(drawing: &Drawing) -> Option<PlanDrawing> {
