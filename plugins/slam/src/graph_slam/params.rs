@@ -268,10 +268,7 @@ impl GraphSlamParams {
             limits: SurfaceLimits {
                 min_range_m: self.min_range_m,
                 max_range_m: self.max_range_m,
-                window_m: 0.25,
-                most_rough_m: 0.03,
-                reach_beams: 15.0,
-                steepest: 15.0,
+                ..SurfaceLimits::SLANTED
             },
             tie: self.tie(),
             loops: LoopSettings {

@@ -67,6 +67,18 @@ pub(crate) struct SurfaceLimits {
     pub steepest: f32,
 }
 
+impl SurfaceLimits {
+    /// Of a laser that looks along corridors.
+    pub const SLANTED: SurfaceLimits = SurfaceLimits {
+        min_range_m: 0.1,
+        max_range_m: 40.0,
+        window_m: 0.25,
+        most_rough_m: 0.03,
+        reach_beams: 15.0,
+        steepest: 15.0,
+    };
+}
+
 /// Beams to each side that tell the direction of a surface at most.
 const MOST_NEIGHBORS: usize = 8;
 

@@ -8,14 +8,7 @@ use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
 
-const LIMITS: SurfaceLimits = SurfaceLimits {
-    min_range_m: 0.1,
-    max_range_m: 40.0,
-    window_m: 0.25,
-    most_rough_m: 0.03,
-    reach_beams: 15.0,
-    steepest: 15.0,
-};
+const LIMITS: SurfaceLimits = SurfaceLimits::SLANTED;
 const SETTINGS: RegistrationSettings =
     RegistrationSettings { across_m: 0.02, along_m: 1.0, loose_m: 0.1, gate_m: 0.2, kernel_c: 3.0 };
 
