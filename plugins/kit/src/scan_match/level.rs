@@ -23,11 +23,18 @@ pub trait MatchLevel {
     /// within [`size`](Self::size).
     fn corners(&self, col: usize, row: usize) -> [f32; 4];
 
-    /// What a stored number says: 0 that nothing is there, 1 that something is.
-    fn value(stored: f32) -> f32;
+    /// What a stored number says: 0 that nothing is there, 1 that something is. Log-odds, unless a level says otherwise.
+    #[inline(always)]
+    fn value(stored: f32) -> f32 {
+        logistic(stored)
+    }
 
-    /// A cell with this number has been seen by some scan.
-    fn is_touched(stored: f32) -> bool;
+    /// A cell with this number has been seen by some scan: no sum of evidence is exactly zero again, so zero is what no beam
+    /// has reached.
+    #[inline(always)]
+    fn is_touched(stored: f32) -> bool {
+        stored != 0.0
+    }
 }
 
 /// A level of log-odds in contiguous rows.
@@ -98,16 +105,5 @@ impl MatchLevel for GridLevel<'_> {
             (Some(&[p00, p10]), Some(&[p01, p11])) => [p00, p10, p01, p11],
             _ => [0.0; 4],
         }
-    }
-
-    #[inline(always)]
-    fn value(stored: f32) -> f32 {
-        logistic(stored)
-    }
-
-    /// No sum of evidence is exactly zero again, so zero is what no beam has reached.
-    #[inline(always)]
-    fn is_touched(stored: f32) -> bool {
-        stored != 0.0
     }
 }

@@ -2,7 +2,7 @@
 
 use super::tile::{TILE_CELLS, Tile};
 use crate::GridSize;
-use crate::scan_match::{MatchLevel, logistic};
+use crate::scan_match::MatchLevel;
 use rumbo_core::frames::{Pose2, pose2};
 use std::sync::Arc;
 
@@ -151,16 +151,5 @@ impl MatchLevel for LevelView<'_> {
         }
         let cell = |col: usize, row: usize| tile(col, row).map_or(0.0, |tile| tile.at(col, row));
         [cell(col, row), cell(col + 1, row), cell(col, row + 1), cell(col + 1, row + 1)]
-    }
-
-    #[inline(always)]
-    fn value(stored: f32) -> f32 {
-        logistic(stored)
-    }
-
-    /// No sum of evidence is exactly zero again, so zero is what no beam has reached.
-    #[inline(always)]
-    fn is_touched(stored: f32) -> bool {
-        stored != 0.0
     }
 }

@@ -1,13 +1,13 @@
 //! The navigation filter as a stage of the framework.
 
 use rumbo_core::map::Map;
-use rumbo_core::messages::{Data, Estimate, Observation, ObservationKind, Prior, Seen};
+use rumbo_core::messages::{Estimate, ObservationKind, Prior, Seen};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, LocalizeError, Localizer};
 
 use super::params::NavFilterParams;
 use super::tracker::{Tracker, TrackerSettings};
-use crate::prior::beginning;
+use crate::prior::{known_beginning, scans_last};
 
 /// See [`NavFilterParams`].
 #[derive(Debug)]
@@ -18,10 +18,7 @@ pub struct NavFilterLocalizer {
 
 impl Localizer for NavFilterLocalizer {
     fn start(&mut self, prior: &Prior, _map: &Map) -> Result<(), LocalizeError> {
-        let (at, odom_from_base) = beginning(prior, "a pose")?;
-        let Some(at) = at else {
-            return Err(LocalizeError::Prior { prior: "an unknown pose", needs: "a pose" });
-        };
+        let (at, odom_from_base) = known_beginning(prior)?;
         let tracker = Tracker::new(self.settings.clone(), at, odom_from_base);
         self.tracker = Some(tracker.map_err(|fault| LocalizeError::Other(fault.to_string()))?);
         Ok(())
@@ -29,11 +26,8 @@ impl Localizer for NavFilterLocalizer {
 
     fn update(&mut self, cx: &mut Cx<'_>, seen: Seen<'_>, _map: &Map) -> Result<Estimate, LocalizeError> {
         let Some(tracker) = &mut self.tracker else { return Err(LocalizeError::NotStarted) };
-        let is_scan = |observation: &Observation| matches!(observation.data, Data::LaserScan(_));
         // Samples first: the filter then knows both sides of a scan's time.
-        let valid = seen.iter().filter(|observation| observation.valid);
-        valid.clone().filter(|one| !is_scan(one)).for_each(|one| tracker.take(one));
-        valid.filter(|one| is_scan(one)).for_each(|one| tracker.take(one));
+        scans_last(seen, |observation| tracker.take(observation));
         if cx.trace.is_counting() {
             show(tracker, cx);
         }

@@ -2,7 +2,7 @@
 
 use super::params::OdometryParams;
 use super::propagation::Uncertainty;
-use crate::prior::beginning;
+use crate::prior::known_beginning;
 use rumbo_core::frames::{Pose2, lift};
 use rumbo_core::map::Map;
 use rumbo_core::messages::{Check, Estimate, ObservationKind, Odometry, Prior, Seen};
@@ -76,10 +76,7 @@ impl DeadReckoning {
 
 impl Localizer for DeadReckoning {
     fn start(&mut self, prior: &Prior, _map: &Map) -> Result<(), LocalizeError> {
-        let (at, odom_from_base) = beginning(prior, "a pose")?;
-        let Some((map_from_base, covariance)) = at else {
-            return Err(LocalizeError::Prior { prior: "an unknown pose", needs: "a pose" });
-        };
+        let ((map_from_base, covariance), odom_from_base) = known_beginning(prior)?;
         self.track = Some(Track {
             map_from_odom: map_from_base * odom_from_base.inverse(),
             odom_from_base,

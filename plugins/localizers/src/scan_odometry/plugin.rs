@@ -2,9 +2,9 @@
 
 use super::params::{Prediction, ScanOdometryParams};
 use super::tracker::{Tracker, TrackerSettings};
-use crate::prior::beginning;
+use crate::prior::{known_beginning, scans_last};
 use rumbo_core::map::Map;
-use rumbo_core::messages::{Data, Estimate, Observation, ObservationKind, Prior, Seen};
+use rumbo_core::messages::{Estimate, ObservationKind, Prior, Seen};
 use rumbo_core::registry::{Manifest, Params, Plugin};
 use rumbo_core::stages::{BuildContext, BuildError, Cx, LocalizeError, Localizer};
 
@@ -17,21 +17,14 @@ pub struct ScanOdometry {
 
 impl Localizer for ScanOdometry {
     fn start(&mut self, prior: &Prior, _map: &Map) -> Result<(), LocalizeError> {
-        let (at, odom_from_base) = beginning(prior, "a pose")?;
-        let Some((map_from_base, covariance)) = at else {
-            return Err(LocalizeError::Prior { prior: "an unknown pose", needs: "a pose" });
-        };
+        let ((map_from_base, covariance), odom_from_base) = known_beginning(prior)?;
         self.tracker = Some(Tracker::new(self.settings.clone(), map_from_base, covariance, odom_from_base));
         Ok(())
     }
 
     fn update(&mut self, cx: &mut Cx<'_>, seen: Seen<'_>, _map: &Map) -> Result<Estimate, LocalizeError> {
         let Some(tracker) = &mut self.tracker else { return Err(LocalizeError::NotStarted) };
-        let is_scan = |observation: &Observation| matches!(observation.data, Data::LaserScan(_));
-        // Everything that says how the robot moved comes before the scans, which begin from it.
-        let valid = seen.iter().filter(|observation| observation.valid);
-        valid.clone().filter(|one| !is_scan(one)).for_each(|one| tracker.take(one));
-        valid.filter(|one| is_scan(one)).for_each(|one| tracker.take(one));
+        scans_last(seen, |observation| tracker.take(observation));
         if cx.trace.is_counting() {
             show(tracker, cx);
         }
