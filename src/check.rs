@@ -28,8 +28,13 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     for path in &args.files {
         let name = path.display().to_string();
         match load::load_and_check(path, &args.sets, &registry) {
-            Ok(()) if args.json => files.push(json!({ "file": name, "faults": [] })),
-            Ok(()) => terminal.say(format!("{name}: {}", terminal.good("no faults"))),
+            Ok(ready) if args.json => {
+                files.push(json!({ "file": name, "faults": [], "warnings": ready.warnings() }));
+            }
+            Ok(ready) => {
+                ready.warn(terminal);
+                terminal.say(format!("{name}: {}", terminal.good("no faults")));
+            }
             Err(refused) => {
                 is_fine = false;
                 if args.json {

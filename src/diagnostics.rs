@@ -6,22 +6,31 @@ use std::ops::Range;
 
 /// All faults, one below the other, in the order in which they are.
 pub fn render(faults: &Faults, sources: &Sources, with_color: bool) -> String {
-    let renderer = if with_color { Renderer::styled() } else { Renderer::plain() };
-    let rendered: Vec<String> =
-        faults.iter().map(|fault| renderer.render(&[group(fault, sources)])).collect();
-    let n_faults = match rendered.len() {
+    let n_faults = match faults.len() {
         1 => "1 fault".to_owned(),
         many => format!("{many} faults"),
     };
-    format!("{}\n\n{n_faults}", rendered.join("\n\n"))
+    format!("{}\n\n{n_faults}", below_each_other(Level::ERROR, faults, sources, with_color))
 }
 
-fn group<'f>(fault: &'f Fault, sources: &'f Sources) -> Group<'f> {
+/// The same of what is only doubtful.
+pub fn render_warnings(warnings: &Faults, sources: &Sources, with_color: bool) -> String {
+    below_each_other(Level::WARNING, warnings, sources, with_color)
+}
+
+fn below_each_other(level: Level<'_>, faults: &Faults, sources: &Sources, with_color: bool) -> String {
+    let renderer = if with_color { Renderer::styled() } else { Renderer::plain() };
+    let rendered: Vec<String> =
+        faults.iter().map(|fault| renderer.render(&[group(level.clone(), fault, sources)])).collect();
+    rendered.join("\n\n")
+}
+
+fn group<'f>(level: Level<'f>, fault: &'f Fault, sources: &'f Sources) -> Group<'f> {
     let title = match fault.path.is_empty() {
         true => fault.message.clone(),
         false => format!("{}: {}", fault.path, fault.message),
     };
-    let mut group = Group::with_title(Level::ERROR.primary_title(title).id(fault.code.name()));
+    let mut group = Group::with_title(level.primary_title(title).id(fault.code.name()));
     if let Some((source, span)) = place(fault.origin, sources) {
         let mut snippet = snippet(source).annotation(AnnotationKind::Primary.span(span));
         let (here, elsewhere): (Vec<_>, Vec<_>) =

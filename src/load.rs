@@ -41,6 +41,19 @@ impl Ready {
         libraries.map(|library| library.sha256.clone()).collect()
     }
 
+    /// What will hardly do what is expected of it, for people.
+    pub fn warn(&self, terminal: &Terminal) {
+        let (warnings, sources) = (&self.loaded.warnings, &self.loaded.document.sources);
+        if !warnings.is_empty() {
+            terminal.say(diagnostics::render_warnings(warnings, sources, terminal.has_colors()));
+        }
+    }
+
+    /// The same for programs.
+    pub fn warnings(&self) -> serde_json::Value {
+        self.loaded.warnings.iter().map(|doubt| doubt.to_json(&self.loaded.document.sources)).collect()
+    }
+
     /// The effective file and the origin of each value, for programs.
     pub fn to_json(&self) -> serde_json::Value {
         to_json(&self.loaded.effective(), &self.loaded.document.sources)
@@ -144,15 +157,17 @@ fn sound(loaded: Loaded) -> Result<Ready, Refused> {
 }
 
 /// As [`load`], and looks at the files that the pipeline names, too.
-pub fn load_and_check(path: &Path, sets: &[String], registry: &Registry) -> Result<(), Refused> {
+pub fn load_and_check(path: &Path, sets: &[String], registry: &Registry) -> Result<Ready, Refused> {
     let mut loaded = Loaded::read(path, sets, registry);
     loaded.check();
-    if loaded.sound().is_some() { Ok(()) } else { Err(Refused::new(loaded)) }
+    sound(loaded)
 }
 
-/// Reads a pipeline, or shows its faults.
+/// Reads a pipeline, and shows its faults, or what is doubtful in it.
 pub fn pipeline(path: &Path, sets: &[String], json: bool, terminal: &Terminal) -> Result<Ready, Failure> {
-    load(path, sets, &registry()?).map_err(|refused| refused.tell(json, terminal))
+    let ready = load(path, sets, &registry()?).map_err(|refused| refused.tell(json, terminal))?;
+    ready.warn(terminal);
+    Ok(ready)
 }
 
 /// As [`pipeline`], and looks at the files and places that the pipeline names before anything moves.

@@ -7,8 +7,29 @@ fn the_shipped_pipelines_have_no_faults() {
         if path.extension().is_some_and(|extension| extension == "toml") {
             let given = give(&["check", path.to_str().unwrap()]);
             assert_eq!(given.code, 0, "{}", given.stderr);
+            assert!(!given.stderr.contains("warning["), "{}", given.stderr);
         }
     }
+}
+
+/// The source's own turn between insertions, 0.9 rad, leaves 9.5 % of overlap to its camera of 57 degrees.
+#[test]
+fn a_turn_beyond_the_view_of_the_camera_is_a_warning_at_its_line_and_the_pipeline_runs() {
+    let camera = "pipelines/finder_depth_camera.toml";
+    let wide = ["--set", "slam.map_update_angle_deg=51.6"];
+    let told = "warning[doubtful]: slam.map_update_angle_deg: is 51.6, more than a quarter of the 57 degrees";
+    let checked = give(&[["check", camera], wide].concat());
+    assert_eq!(checked.code, 0, "{}", checked.stderr);
+    assert!(checked.stderr.contains(told) && checked.stderr.contains("no faults"), "{}", checked.stderr);
+    let json = give(&[&["check", camera, "--json"][..], &wide].concat()).json();
+    assert_eq!(json[0]["warnings"][0]["code"], "doubtful");
+    assert_eq!(json[0]["warnings"][0]["help"], "write 14.2 or less");
+    assert_eq!(json[0]["faults"].as_array().unwrap().len(), 0);
+    let run = give(&[&["run", camera, "--no-report", "--duration", "0.2"][..], &wide].concat());
+    assert!(run.stderr.contains(told), "{}", run.stderr);
+    // A scanner of 270 degrees sees enough, and a default is nobody's mistake.
+    let laser = give(&[["check", "pipelines/finder_lidar_fast.toml"], wide].concat());
+    assert!(!laser.stderr.contains("warning"), "{}", laser.stderr);
 }
 
 #[test]

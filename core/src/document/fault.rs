@@ -53,6 +53,8 @@ pub enum FaultCode {
     Drive,
     /// A place where the robot cannot be.
     Place,
+    /// A value that is possible, but will hardly do what is expected of it: a warning.
+    Doubtful,
 }
 
 impl FaultCode {
@@ -82,6 +84,7 @@ impl FaultCode {
             MissingObservation => "missing_observation",
             Drive => "drive",
             Place => "place",
+            Doubtful => "doubtful",
         }
     }
 }

@@ -1,5 +1,6 @@
 //! From a pipeline file to a pipeline, with every fault of the file.
 
+use super::doubts::doubts;
 use super::draft::Draft;
 use super::libraries::with_libraries;
 use super::own_sections::head;
@@ -17,6 +18,8 @@ pub struct Loaded {
     pub document: Document,
     /// Everything that is wrong, sorted by place.
     pub faults: Faults,
+    /// What is possible, but will hardly do what is expected of it, sorted by place.
+    pub warnings: Faults,
     /// The pipeline; none where so much is wrong that there is none.
     pub pipeline: Option<Pipeline>,
     /// Everything that this pipeline can name: what the program has, and the libraries of `plugin_path`.
@@ -61,7 +64,8 @@ impl Loaded {
             RecordTo::Usual(is_wanted) => RecordTo::Usual(*is_wanted),
         });
         faults.sort();
-        Loaded { document, faults, pipeline, registry, record, draft }
+        let warnings = doubts(&draft);
+        Loaded { document, faults, warnings, pipeline, registry, record, draft }
     }
 
     /// Builds every stage without touching a device, so that missing files, broken maps, a start inside a wall or a

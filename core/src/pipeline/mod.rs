@@ -3,6 +3,7 @@
 //! [`Loaded::read`] reads a file in two steps: the framework's keys first, then each plugin's keys by its registry
 //! entry. [`schema`] describes the whole file for editors.
 
+mod doubts;
 mod draft;
 mod fits;
 mod followed;

@@ -1,6 +1,6 @@
 //! One plugin as everybody sees it, wherever it comes from.
 
-use super::Manifest;
+use super::{Manifest, Surroundings};
 use crate::stages::{Avoider, BuildContext, BuildError, Localizer, MapBuilder, Planner, Sensor, Slam, World};
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -108,6 +108,10 @@ pub trait Configured: Send + Sync {
     fn manifest(&self) -> Manifest;
     /// Every impossible value at once.
     fn check(&self) -> Vec<BuildError>;
+    /// Values that will hardly do what is expected of them; a library has none.
+    fn doubts(&self, _surroundings: &Surroundings) -> Vec<BuildError> {
+        Vec::new()
+    }
     /// All parameters, defaults included.
     fn parameters(&self) -> toml::Table;
     /// Makes the stage.

@@ -1,7 +1,7 @@
 //! Plugins that are linked into this program, found by `inventory`.
 
 use super::entry::{Built, Configured, Entry, EntrySource, ParseFault, Stage};
-use super::manifest::Manifest;
+use super::manifest::{Manifest, Surroundings};
 use crate::stages::{BuildContext, BuildError};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -15,6 +15,12 @@ pub trait Params:
 {
     /// Every impossible value at once.
     fn check(&self) -> Vec<BuildError> {
+        Vec::new()
+    }
+
+    /// Values that are possible, but will hardly do what their writer expects beside the rest of the pipeline. People are
+    /// told of those whose key they wrote themselves, and the pipeline runs all the same.
+    fn doubts(&self, _surroundings: &Surroundings) -> Vec<BuildError> {
         Vec::new()
     }
 }
@@ -114,6 +120,10 @@ where
 
     fn check(&self) -> Vec<BuildError> {
         self.params.check()
+    }
+
+    fn doubts(&self, surroundings: &Surroundings) -> Vec<BuildError> {
+        self.params.doubts(surroundings)
     }
 
     fn parameters(&self) -> toml::Table {

@@ -28,6 +28,8 @@ pub struct Manifest {
     pub default_rate_hz: Option<f64>,
     /// The fastest that the device can do, times a second.
     pub max_rate_hz: Option<f64>,
+    /// How wide a range sensor sees to its sides, radians in all; none of what has no such view, or does not say.
+    pub field_of_view_rad: Option<f64>,
     /// It follows a robot from a pose that somebody must name: it cannot find one.
     pub needs_start_pose: bool,
     /// It asks for motion while it looks for the robot.
@@ -48,6 +50,7 @@ impl Default for Manifest {
             drives: DriveKind::ALL.to_vec(),
             default_rate_hz: None,
             max_rate_hz: None,
+            field_of_view_rad: None,
             needs_start_pose: false,
             wishes_motion: false,
         }
@@ -63,4 +66,11 @@ impl Manifest {
             _ => false,
         })
     }
+}
+
+/// What a plugin can know of the rest of its pipeline before anything is built.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Surroundings {
+    /// View of the range sensor that sees least far to its sides, radians in all; none where no sensor tells its view.
+    pub narrowest_view_rad: Option<f64>,
 }

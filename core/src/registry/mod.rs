@@ -11,7 +11,7 @@ mod manifest;
 pub use entry::{Built, Configured, Entry, EntrySource, LibraryInfo, ParseFault, Stage};
 pub use libraries::AddError;
 pub use linked::{Linked, Params, Plugin, source_of};
-pub use manifest::Manifest;
+pub use manifest::{Manifest, Surroundings};
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -16,7 +16,7 @@ mod scan_mapper;
 pub use area::AreaFill;
 pub use beam_ends::{BeamEnd, BeamEnds, BeamLimits, Mount2};
 pub use evidence::{Evidence, EvidenceFault};
-pub use gate::UpdateGate;
+pub use gate::{UpdateGate, doubtful_turn};
 pub use line::line_cells;
 pub use painter::{FreeSpace, ScanPainter};
 pub use pyramid::{Grown, Pyramid};

@@ -99,6 +99,8 @@ pub(crate) fn manifest_from(view: &rumbo_manifest) -> Result<Manifest, BadView> 
         drives: values(view.drives, &DRIVES, "drives")?,
         default_rate_hz: rate(view.default_rate_hz),
         max_rate_hz: rate(view.max_rate_hz),
+        // Libraries do not tell it.
+        field_of_view_rad: None,
         needs_start_pose: view.needs_start_pose != 0,
         wishes_motion: view.wishes_motion != 0,
     })

@@ -2,8 +2,9 @@
 
 use super::conclusion::{Removal, Rules};
 use super::evidence::VisitRules;
-use rumbo_core::registry::Params;
+use rumbo_core::registry::{Params, Surroundings};
 use rumbo_core::stages::BuildError;
+use rumbo_kit::occupancy::doubtful_turn;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -107,6 +108,12 @@ impl Params for LastingChangesParams {
         let is_share = (0.0..=1.0).contains(&self.min_explained);
         expect(is_share, "min_explained", &self.min_explained, "a share from 0 to 1");
         faults
+    }
+
+    fn doubts(&self, surroundings: &Surroundings) -> Vec<BuildError> {
+        doubtful_turn("scan_angle_deg", self.scan_angle_deg, surroundings.narrowest_view_rad)
+            .into_iter()
+            .collect()
     }
 }
 

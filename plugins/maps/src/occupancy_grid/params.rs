@@ -1,9 +1,11 @@
 //! What `[map_builder] plugin = "occupancy_grid"` takes.
 
-use rumbo_core::registry::Params;
+use rumbo_core::registry::{Params, Surroundings};
 use rumbo_core::stages::BuildError;
 use rumbo_kit::map_file::DEFAULT_MAX_CELLS;
-use rumbo_kit::occupancy::{BeamLimits, Evidence, EvidenceFault, FreeSpace, MapperSettings, Pyramid};
+use rumbo_kit::occupancy::{
+    BeamLimits, Evidence, EvidenceFault, FreeSpace, MapperSettings, Pyramid, doubtful_turn,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -159,6 +161,12 @@ impl Params for OccupancyGridParams {
             BuildError::at(fault.name, format!("is {}, expected {}", fault.found, fault.expected))
         }));
         faults
+    }
+
+    fn doubts(&self, surroundings: &Surroundings) -> Vec<BuildError> {
+        doubtful_turn("map_update_angle_deg", self.map_update_angle_deg, surroundings.narrowest_view_rad)
+            .into_iter()
+            .collect()
     }
 }
 

@@ -235,6 +235,13 @@ impl KinectParams {
         }
     }
 
+    /// How wide it sees to its sides in all, radians.
+    pub(super) fn field_of_view_rad(&self) -> f64 {
+        let Intrinsics { width, focal_px: [focal_px, _], center_px: [center_px, _], .. } = self.camera();
+        let [left_px, right_px] = [center_px + 0.5, f64::from(width) - 0.5 - center_px];
+        (left_px / focal_px).atan() + (right_px / focal_px).atan()
+    }
+
     /// The simulated device.
     pub(super) fn device(&self) -> DepthDevice {
         let share = |share: f64| if self.exact { 0.0 } else { share };

@@ -41,6 +41,7 @@ impl Plugin<dyn Sensor> for KinectParams {
             produces: self.gives.iter().map(|given| given.kind()).collect(),
             default_rate_hz: Some(10.0),
             max_rate_hz: Some(DEVICE_HZ),
+            field_of_view_rad: Some(self.field_of_view_rad()),
             ..Manifest::default()
         }
     }

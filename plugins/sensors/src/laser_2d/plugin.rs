@@ -30,6 +30,7 @@ impl Plugin<dyn Sensor> for Laser2dParams {
         Manifest {
             produces: vec![ObservationKind::LaserScan],
             default_rate_hz: Some(10.0),
+            field_of_view_rad: Some(self.field_of_view_deg.to_radians()),
             ..Manifest::default()
         }
     }

@@ -49,6 +49,7 @@ impl Plugin<dyn Sensor> for Lms200Params {
             produces: vec![ObservationKind::LaserScan],
             default_rate_hz: Some(10.0),
             max_rate_hz,
+            field_of_view_rad: Some(self.field_of_view_deg.to_radians()),
             ..Manifest::default()
         }
     }

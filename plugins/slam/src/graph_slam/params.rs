@@ -6,9 +6,9 @@ use super::registration::RegistrationSettings;
 use super::sheet::SheetSettings;
 use super::surface::SurfaceLimits;
 use super::tracker::TrackerSettings;
-use rumbo_core::registry::Params;
+use rumbo_core::registry::{Params, Surroundings};
 use rumbo_core::stages::BuildError;
-use rumbo_kit::occupancy::{BeamLimits, Evidence};
+use rumbo_kit::occupancy::{BeamLimits, Evidence, doubtful_turn};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -234,6 +234,12 @@ impl Params for GraphSlamParams {
             }));
         }
         faults
+    }
+
+    fn doubts(&self, surroundings: &Surroundings) -> Vec<BuildError> {
+        doubtful_turn("key_frame_every_deg", self.key_frame_every_deg, surroundings.narrowest_view_rad)
+            .into_iter()
+            .collect()
     }
 }
 

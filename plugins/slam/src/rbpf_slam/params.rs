@@ -3,10 +3,10 @@
 mod translation;
 
 use super::settings::ProposalRule;
-use rumbo_core::registry::Params;
+use rumbo_core::registry::{Params, Surroundings};
 use rumbo_core::stages::BuildError;
 use rumbo_kit::map_file::DEFAULT_MAX_CELLS;
-use rumbo_kit::occupancy::{Evidence, EvidenceFault};
+use rumbo_kit::occupancy::{Evidence, EvidenceFault, doubtful_turn};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -233,6 +233,12 @@ impl Params for RbpfSlamParams {
             }));
         }
         faults
+    }
+
+    fn doubts(&self, surroundings: &Surroundings) -> Vec<BuildError> {
+        doubtful_turn("angular_update_deg", self.angular_update_deg, surroundings.narrowest_view_rad)
+            .into_iter()
+            .collect()
     }
 }
 

@@ -1,8 +1,8 @@
 //! What `[slam] plugin = "scan_match_slam"` takes.
 
-use rumbo_core::registry::Params;
+use rumbo_core::registry::{Params, Surroundings};
 use rumbo_core::stages::BuildError;
-use rumbo_kit::occupancy::{Evidence, EvidenceFault};
+use rumbo_kit::occupancy::{Evidence, EvidenceFault, doubtful_turn};
 use rumbo_kit::scan_match::CovarianceRule;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -233,6 +233,12 @@ impl Params for ScanMatchSlamParams {
             BuildError::at(fault.name, format!("is {}, expected {}", fault.found, fault.expected))
         }));
         faults
+    }
+
+    fn doubts(&self, surroundings: &Surroundings) -> Vec<BuildError> {
+        doubtful_turn("map_update_angle_deg", self.map_update_angle_deg, surroundings.narrowest_view_rad)
+            .into_iter()
+            .collect()
     }
 }
 
