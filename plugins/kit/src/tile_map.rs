@@ -3,8 +3,8 @@
 //! (Grisetti, Stachniss, Burgard, *Improved Techniques for Grid Mapping with Rao-Blackwellized Particle Filters*, IEEE
 //! T-RO 2007, section V).
 //!
-//! Maps grow wherever scans reach, without moving a cell. Cells are log-odds as in [`occupancy`](crate::occupancy), on
-//! several levels with cells of 1, 2, 4, ... times the edge, each made from the scans themselves.
+//! Maps grow wherever scans reach, without moving a cell. Cells are log-odds as in [`occupancy`](crate::occupancy), in a
+//! byte each, on several levels with cells of 1, 2, 4, ... times the edge, each made from the scans themselves.
 
 mod code;
 mod export;
@@ -18,6 +18,7 @@ pub use level::{LevelView, TileLevel};
 pub use painter::TilePainter;
 pub use tile::{TILE_CELLS, Tile};
 
+use crate::occupancy::Evidence;
 use rumbo_core::frames::Point2;
 
 /// Levels of tiles over the same area, finest first. A clone copies references only.
@@ -27,10 +28,21 @@ pub struct TileMap {
 }
 
 impl TileMap {
-    /// An empty map whose finest cells have this edge, with so many levels, at least one.
-    pub fn new(resolution_m: f64, n_levels: u32) -> TileMap {
-        let level = |k: u32| TileLevel::new(resolution_m * f64::from(1u32 << k.min(30)));
+    /// An empty map whose finest cells have this edge, with so many levels, at least one. Its cells hold 127 steps from
+    /// unknown to the farther bound of certainty.
+    pub fn new(resolution_m: f64, n_levels: u32, evidence: &Evidence) -> TileMap {
+        TileMap::of_unit(resolution_m, n_levels, tile::unit_of(evidence))
+    }
+
+    fn of_unit(resolution_m: f64, n_levels: u32, unit: f32) -> TileMap {
+        let level = |k: u32| TileLevel::new(resolution_m * f64::from(1u32 << k.min(30)), unit);
         TileMap { levels: (0..n_levels.max(1)).map(level).collect() }
+    }
+
+    /// What a beam says in the whole units that cells of this map hold.
+    pub fn rounded(&self, evidence: &Evidence) -> Evidence {
+        let unit = self.finest().map_or_else(|| tile::unit_of(evidence), TileLevel::unit);
+        tile::UnitEvidence::new(evidence, unit).log_odds(unit)
     }
 
     /// Its levels, finest first.

@@ -2,7 +2,7 @@
 
 use super::TileMap;
 use super::level::TileLevel;
-use super::tile::{N_CELLS, TILE_CELLS, Tile};
+use super::tile::{N_CELLS, Tile};
 use rumbo_core::seal::Reader;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -25,6 +25,7 @@ impl TileCode {
     pub fn write(&mut self, map: &TileMap, bytes: &mut Vec<u8>) {
         bytes.extend((map.levels().len() as u32).to_le_bytes());
         bytes.extend(map.finest().map_or(1.0, TileLevel::resolution_m).to_le_bytes());
+        bytes.extend(map.finest().map_or(1.0, TileLevel::unit).to_le_bytes());
         for (k, level) in (0u32..).zip(map.levels()) {
             bytes.extend((level.tiles().count() as u32).to_le_bytes());
             for (place, tile) in level.tiles() {
@@ -37,7 +38,7 @@ impl TileCode {
                 self.written.insert(key, self.written.len() as u32);
                 bytes.extend(NEW.to_le_bytes());
                 bytes.extend(tile.version.to_le_bytes());
-                tile.cells.iter().for_each(|cell| bytes.extend(cell.to_le_bytes()));
+                bytes.extend(tile.cells.iter().map(|cell| *cell as u8));
             }
         }
     }
@@ -45,8 +46,10 @@ impl TileCode {
     /// The next map; none where the bytes are not one.
     pub fn read(&mut self, rest: &mut Reader<'_>) -> Option<TileMap> {
         let (n_levels, resolution_m) = (rest.u32()?, rest.f64()?);
-        let is_sound = (1..=16).contains(&n_levels) && resolution_m.is_finite() && resolution_m > 0.0;
-        let mut map = is_sound.then(|| TileMap::new(resolution_m, n_levels))?;
+        let unit = f32::from_le_bytes(rest.chunk()?);
+        let is_length = |v: f64| v.is_finite() && v > 0.0;
+        let is_sound = (1..=16).contains(&n_levels) && is_length(resolution_m) && is_length(unit.into());
+        let mut map = is_sound.then(|| TileMap::of_unit(resolution_m, n_levels, unit))?;
         for level in map.levels_mut() {
             for _ in 0..rest.u32()? {
                 let place = [rest.i64()?, rest.i64()?];
@@ -66,14 +69,9 @@ impl TileCode {
     }
 
     fn read_tile(&mut self, rest: &mut Reader<'_>) -> Option<Arc<Tile>> {
-        let mut tile =
-            Tile { version: u64::from_le_bytes(rest.chunk()?), cells: [0.0; TILE_CELLS * TILE_CELLS] };
-        let words = rest.take(4 * N_CELLS)?.as_chunks::<4>().0;
-        for (cell, word) in tile.cells.iter_mut().zip(words) {
-            *cell = f32::from_le_bytes(*word);
-        }
-        if tile.cells.iter().any(|cell| !cell.is_finite()) {
-            return None;
+        let mut tile = Tile { version: u64::from_le_bytes(rest.chunk()?), ..Tile::unknown() };
+        for (cell, byte) in tile.cells.iter_mut().zip(rest.take(N_CELLS)?) {
+            *cell = *byte as i8;
         }
         let tile = Arc::new(tile);
         self.read.push(Arc::clone(&tile));

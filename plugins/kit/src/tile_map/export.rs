@@ -63,7 +63,9 @@ impl GridExport {
                     break;
                 };
                 match tile.and_then(|tile| tile.cells.get(row * edge..(row + 1) * edge)) {
-                    Some(from) => line.copy_from_slice(from),
+                    Some(from) => {
+                        line.iter_mut().zip(from).for_each(|(to, from)| *to = level.unit() * f32::from(*from))
+                    }
                     None => line.fill(0.0),
                 }
             }

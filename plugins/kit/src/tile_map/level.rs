@@ -10,6 +10,8 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct TileLevel {
     resolution_m: f64,
+    /// Log-odds of one unit of a cell.
+    unit: f32,
     /// The lower left tile of the rectangle, counted in tiles from the origin.
     first: [i64; 2],
     /// Tiles along x and y.
@@ -18,13 +20,18 @@ pub struct TileLevel {
 }
 
 impl TileLevel {
-    pub(super) fn new(resolution_m: f64) -> TileLevel {
-        TileLevel { resolution_m, first: [0; 2], size: [0; 2], tiles: Vec::new() }
+    pub(super) fn new(resolution_m: f64, unit: f32) -> TileLevel {
+        TileLevel { resolution_m, unit, first: [0; 2], size: [0; 2], tiles: Vec::new() }
     }
 
     /// Edge of a cell, meters.
     pub fn resolution_m(&self) -> f64 {
         self.resolution_m
+    }
+
+    /// Log-odds of one unit of its cells.
+    pub fn unit(&self) -> f32 {
+        self.unit
     }
 
     /// The lower left tile of the rectangle that holds all tiles, counted from the origin.
@@ -52,7 +59,7 @@ impl TileLevel {
     pub fn cell(&self, cell: [i64; 2]) -> f32 {
         let edge = TILE_CELLS as i64;
         let [col, row] = cell.map(|v| v.rem_euclid(edge) as usize);
-        self.tile(cell.map(|v| v.div_euclid(edge))).map_or(0.0, |tile| tile.at(col, row))
+        self.tile(cell.map(|v| v.div_euclid(edge))).map_or(0.0, |tile| self.unit * tile.at(col, row))
     }
 
     /// All tiles that are there, with their places.
@@ -135,7 +142,7 @@ impl MatchLevel for LevelView<'_> {
 
     #[inline(always)]
     fn corners(&self, col: usize, row: usize) -> [f32; 4] {
-        let width = self.level.size[0];
+        let (width, unit) = (self.level.size[0], self.level.unit);
         let tile = |col: usize, row: usize| {
             self.level.tiles.get(row / TILE_CELLS * width + col / TILE_CELLS).and_then(Option::as_deref)
         };
@@ -147,9 +154,10 @@ impl MatchLevel for LevelView<'_> {
                 tile.at(col + 1, row),
                 tile.at(col, row + 1),
                 tile.at(col + 1, row + 1),
-            ];
+            ]
+            .map(|units| unit * units);
         }
-        let cell = |col: usize, row: usize| tile(col, row).map_or(0.0, |tile| tile.at(col, row));
+        let cell = |col: usize, row: usize| tile(col, row).map_or(0.0, |tile| unit * tile.at(col, row));
         [cell(col, row), cell(col + 1, row), cell(col, row + 1), cell(col + 1, row + 1)]
     }
 }

@@ -2,7 +2,7 @@
 
 use super::TileMap;
 use super::level::TileLevel;
-use super::tile::{TILE_CELLS, Tile};
+use super::tile::{TILE_CELLS, Tile, UnitEvidence};
 use crate::GridSize;
 use crate::occupancy::{BeamEnd, BeamEnds, BeamLimits, Evidence, FreeSpace, Mount2, ScanPainter};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
@@ -60,7 +60,8 @@ impl TilePainter {
             let scale = 1.0 / (1u32 << k) as f32;
             let (sheet, beams) = (&mut self.sheet, &self.beams);
             self.painter.paint(sheet, size, beams, scale, self.free_space, &self.evidence);
-            take_over(level, sheet, size, corner.map(|v| v >> k), &self.evidence, version);
+            let evidence = UnitEvidence::new(&self.evidence, level.unit());
+            take_over(level, sheet, size, corner.map(|v| v >> k), &evidence, version);
         }
         self.beams.n_hits
     }
@@ -124,7 +125,7 @@ fn take_over(
     sheet: &[f32],
     size: GridSize,
     corner: [i64; 2],
-    evidence: &Evidence,
+    evidence: &UnitEvidence,
     version: u64,
 ) {
     let edge = TILE_CELLS as i64;
@@ -160,7 +161,7 @@ fn take_over(
 }
 
 /// Adds a line of evidence to a tile's cells.
-fn write_line(tile: &mut Tile, col: usize, row: usize, said: &[f32], evidence: &Evidence) {
+fn write_line(tile: &mut Tile, col: usize, row: usize, said: &[f32], evidence: &UnitEvidence) {
     let begin = row * TILE_CELLS + col;
     let Some(cells) = tile.cells.get_mut(begin..begin + said.len()) else { return };
     for (cell, said) in cells.iter_mut().zip(said) {

@@ -1,5 +1,6 @@
 //! The filter: every particle looks, then they are weighed, then drawn anew where few of them say anything.
 
+use super::archive::Archive;
 use super::lineage::Lineage;
 use super::particle::{KeyScan, Looked, Particle};
 use super::settings::FilterSettings;
@@ -50,7 +51,7 @@ impl Filter {
 
     /// All particles at one place, without a map.
     pub fn begin(&mut self, map_from_base: &Pose2) {
-        let map = TileMap::new(self.settings.resolution_m, self.settings.n_levels);
+        let map = TileMap::new(self.settings.resolution_m, self.settings.n_levels, &self.settings.evidence);
         let particle = Particle { map_from_base: *map_from_base, ln_weight: 0.0, ln_total: 0.0, map };
         self.particles = vec![particle; self.settings.n_particles];
         self.lineage.begin(self.settings.n_particles);
@@ -148,6 +149,20 @@ impl Filter {
             }
         });
         looks
+    }
+
+    /// All guesses have come this way, with a map that is drawn along it.
+    pub fn settle(&mut self, way: Vec<Pose2>, archive: &Archive) {
+        let (Some(last), Some(painter)) = (way.last().copied(), self.painters.first_mut()) else { return };
+        let FilterSettings { resolution_m, n_levels, evidence, n_particles, .. } = &self.settings;
+        let mut map = TileMap::new(*resolution_m, *n_levels, evidence);
+        let number = self.steps.wrapping_mul(STREAMS_A_STEP) + STREAMS_A_STEP - 3;
+        for (pose, taken) in way.iter().zip(&archive.taken).filter(|(_, taken)| taken.is_drawn) {
+            painter.paint(&mut map, &taken.scan, pose, &taken.base_from_sensor, number);
+        }
+        let particle = Particle { map_from_base: last, ln_weight: 0.0, ln_total: 0.0, map };
+        self.particles = vec![particle; *n_particles];
+        self.lineage = Lineage { trunk: way, tips: vec![0; *n_particles], ..Lineage::default() };
     }
 
     /// A weight that is not a number is none. Where all are none, all become equal, and this is said.

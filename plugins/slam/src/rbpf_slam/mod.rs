@@ -10,6 +10,9 @@
 mod params;
 mod plugin;
 
+pub mod archive;
+pub mod bending;
+pub mod closing;
 pub mod diary;
 pub mod filter;
 pub mod follower;

@@ -89,6 +89,13 @@ pub struct RbpfSlamParams {
     pub proposal_range_m: f64,
     /// ... and this turn, degrees.
     pub proposal_range_deg: f64,
+    /// Where the robot may have come back to, and no guess has found it, its place is looked for as far as the robot may be
+    /// off: this share of the way since it was there, ...
+    pub loop_drift_share: f64,
+    /// ... and at most so far, meters; 0 looks for nothing.
+    pub loop_reach_m: f64,
+    /// How well what was seen lately must fit on such a place, 0 to 1.
+    pub loop_least_score: f64,
     /// Edge of a cell, meters.
     pub resolution_m: f64,
     /// Grids at 1, 2, 4, ... times the edge of a cell that scans are matched with, from coarse to fine.
@@ -154,6 +161,9 @@ impl Default for RbpfSlamParams {
             proposal_samples: 20,
             proposal_range_m: 0.05,
             proposal_range_deg: 1.7,
+            loop_drift_share: 0.06,
+            loop_reach_m: 20.0,
+            loop_least_score: 0.55,
             resolution_m: 0.05,
             levels: 4,
             update_factor_free: 0.4,
@@ -194,6 +204,7 @@ impl Params for RbpfSlamParams {
             ("minimum_score", self.minimum_score),
             ("least_overlap", self.least_overlap),
             ("least_agreement", self.least_agreement),
+            ("loop_least_score", self.loop_least_score),
         ] {
             expect((0.0..=1.0).contains(&value), key, &value, "0 to 1");
         }
@@ -267,12 +278,14 @@ impl RbpfSlamParams {
         ]
     }
 
-    fn not_negative(&self) -> [(&'static str, f64); 7] {
+    fn not_negative(&self) -> [(&'static str, f64); 9] {
         [
             ("min_range_m", self.min_range_m),
             ("unseen_turn_deg", self.unseen_turn_deg),
             ("full_weight_spacing_m", self.full_weight_spacing_m),
             ("ogain", self.ogain),
+            ("loop_drift_share", self.loop_drift_share),
+            ("loop_reach_m", self.loop_reach_m),
             ("widest_wedge_deg", self.widest_wedge_deg),
             ("explore_grace_m", self.explore_grace_m),
             ("publish_period_s", self.publish_period_s),

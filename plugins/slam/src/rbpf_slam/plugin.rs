@@ -61,7 +61,9 @@ impl RbpfSlam {
             ("scans dropped", counters.scans_dropped),
             ("particles drawn anew", counters.resampled),
             ("updates without weight", counters.without_weight),
+            ("loops closed by bending", counters.loops),
             ("odometry dropped", counters.odometry_dropped),
+            ("imu dropped", counters.imu_dropped),
             ("odometry jumps", counters.odometry_jumps),
         ] {
             cx.trace.count(name, value as f64);
@@ -135,7 +137,7 @@ impl Plugin<dyn Slam> for RbpfSlamParams {
         Manifest {
             gives_layers: vec![Layer::Grid],
             consumes: vec![vec![ObservationKind::LaserScan]],
-            uses: vec![ObservationKind::Odometry],
+            uses: vec![ObservationKind::Odometry, ObservationKind::Imu],
             ..Manifest::default()
         }
     }

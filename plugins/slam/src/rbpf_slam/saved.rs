@@ -1,21 +1,23 @@
 //! The whole state as bytes, to go on from later.
 
+mod archive;
+mod following;
+
 use super::diary::{Diary, Entry};
 use super::follower::Kept;
 use super::lineage::{Branch, Lineage};
-use super::motion::Step;
 use super::particle::Particle;
 use super::tracker::Tracker;
 use crate::graph_slam::surface::SurfacePoint;
 use nalgebra::Matrix3;
-use rumbo_core::frames::{Pose2, Twist, is_finite2, pose2};
+use rumbo_core::frames::{Pose2, is_finite2, pose2};
 use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::stages::SlamError;
 use rumbo_core::time::Time;
 use rumbo_kit::streams::Streams;
 use rumbo_kit::tile_map::TileCode;
 
-const SEAL: Seal = Seal { magic: *b"RUMBORBP", version: 1 };
+const SEAL: Seal = Seal { magic: *b"RUMBORBP", version: 2 };
 
 fn put(bytes: &mut Vec<u8>, numbers: &[f64]) {
     numbers.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
@@ -24,6 +26,11 @@ fn put(bytes: &mut Vec<u8>, numbers: &[f64]) {
 /// Real and imaginary part of the rotation, so that a pose comes back to the bit.
 fn put_pose(bytes: &mut Vec<u8>, pose: &Pose2) {
     put(bytes, &[pose.translation.x, pose.translation.y, pose.rotation.re, pose.rotation.im]);
+}
+
+fn put_pose_if(bytes: &mut Vec<u8>, pose: Option<Pose2>) {
+    put_count(bytes, usize::from(pose.is_some()));
+    put_pose(bytes, &pose.unwrap_or_else(Pose2::identity));
 }
 
 fn put_count(bytes: &mut Vec<u8>, n: usize) {
@@ -45,7 +52,8 @@ pub fn save(tracker: &Tracker) -> Vec<u8> {
     }
     put_lineage(&mut bytes, &tracker.filter.lineage);
     put_diary(&mut bytes, &tracker.diary);
-    put_tracker(&mut bytes, tracker);
+    following::put_tracker(&mut bytes, tracker);
+    archive::put_archive(&mut bytes, &tracker.archive);
     put_recent(&mut bytes, tracker);
     Seal::close(bytes)
 }
@@ -75,23 +83,6 @@ fn put_diary(bytes: &mut Vec<u8>, diary: &Diary) {
         bytes.extend(stamp.0.to_le_bytes());
         put_pose(bytes, pose);
     }
-}
-
-fn put_tracker(bytes: &mut Vec<u8>, tracker: &Tracker) {
-    put_count(bytes, usize::from(tracker.stamp.is_some()));
-    bytes.extend(tracker.stamp.unwrap_or_default().0.to_le_bytes());
-    bytes.extend(tracker.step_stamp.0.to_le_bytes());
-    put_pose(bytes, &tracker.step_from_base);
-    put_pose(bytes, &tracker.since_step.before_from_after);
-    put(bytes, &tracker.since_step.stray);
-    put(bytes, tracker.covariance.as_slice());
-    put_count(bytes, tracker.n_unmatched as usize);
-    put(bytes, &[tracker.way_unmatched_m]);
-    let odometer = &tracker.odometer;
-    put_count(bytes, usize::from(odometer.at_scan.is_some()));
-    put_pose(bytes, &odometer.at_scan.unwrap_or_else(Pose2::identity));
-    put(bytes, &odometer.stray);
-    put(bytes, &[odometer.velocity.forward_m_s, odometer.velocity.left_m_s, odometer.velocity.turn_rad_s]);
 }
 
 fn put_recent(bytes: &mut Vec<u8>, tracker: &Tracker) {
@@ -137,6 +128,11 @@ impl State<'_> {
         (is_rotation && is_finite2(&pose)).then_some(pose)
     }
 
+    fn pose_if(&mut self) -> Option<Option<Pose2>> {
+        let (is_there, pose) = (self.count()? > 0, self.pose()?);
+        Some(is_there.then_some(pose))
+    }
+
     fn many<T>(&mut self, mut one: impl FnMut(&mut Self) -> Option<T>) -> Option<Vec<T>> {
         let n = self.count()?;
         // Not room for as many as are promised: bytes may lie.
@@ -165,23 +161,6 @@ impl State<'_> {
         let entries = self.many(entry)?;
         let steps = self.many(|state| Some((state.time()?, state.pose()?)))?;
         Some(Diary { entries, steps })
-    }
-
-    fn tracker(&mut self, tracker: &mut Tracker) -> Option<()> {
-        let (has_stamp, stamp) = (self.count()? > 0, self.time()?);
-        tracker.stamp = has_stamp.then_some(stamp);
-        tracker.step_stamp = self.time()?;
-        tracker.step_from_base = self.pose()?;
-        tracker.since_step = Step { before_from_after: self.pose()?, stray: self.numbers()? };
-        tracker.covariance = Matrix3::from_column_slice(&self.numbers::<9>()?);
-        tracker.n_unmatched = self.count()? as u32;
-        tracker.way_unmatched_m = self.number()?;
-        let (has_odometer, pose) = (self.count()? > 0, self.pose()?);
-        tracker.odometer.at_scan = has_odometer.then_some(pose);
-        tracker.odometer.stray = self.numbers()?;
-        let [forward_m_s, left_m_s, turn_rad_s] = self.numbers()?;
-        tracker.odometer.velocity = Twist { forward_m_s, left_m_s, turn_rad_s };
-        Some(())
     }
 
     fn single(&mut self) -> Option<f32> {
@@ -219,6 +198,7 @@ impl State<'_> {
         tracker.filter.lineage = self.lineage(n)?;
         tracker.diary = self.diary()?;
         self.tracker(tracker)?;
+        tracker.archive = self.archive(tracker.filter.lineage.len())?;
         self.recent(tracker)?;
         self.0.is_empty().then_some(())
     }

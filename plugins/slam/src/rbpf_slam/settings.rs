@@ -1,5 +1,6 @@
 //! Numbers of the filter, in the units of the algorithm.
 
+use super::closing::ClosingSettings;
 use super::follower::FollowSettings;
 use super::motion::MotionNoise;
 use rumbo_kit::occupancy::{BeamLimits, Evidence, FreeSpace};
@@ -65,6 +66,8 @@ pub struct TrackerSettings {
     pub filter: FilterSettings,
     /// How the robot is followed from scan to scan.
     pub follow: FollowSettings,
+    /// How places are recognized.
+    pub closing: ClosingSettings,
     /// How much the odometer errs.
     pub motion: MotionNoise,
     /// After this way, meters.

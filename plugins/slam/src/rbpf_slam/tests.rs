@@ -1,5 +1,6 @@
 //! The filter's parts against brute force, and the whole in a loop of rubble.
 
+mod closing;
 mod faults;
 mod hall;
 mod lineages;

@@ -1,9 +1,13 @@
 //! Follows the robot from scan to scan, and decides when the filter takes one in.
 
 mod estimate;
+mod gyro;
+mod loops;
 mod odometer;
 mod steps;
 
+use super::archive::Archive;
+use super::closing::Closing;
 use super::diary::Diary;
 use super::filter::Filter;
 use super::follower::Follower;
@@ -37,8 +41,12 @@ pub struct Counters {
     pub resampled: u64,
     /// Times that no particle had any weight.
     pub without_weight: u64,
+    /// Loops that were closed by bending the way.
+    pub loops: u64,
     /// Readings of the odometer that were late or no numbers.
     pub odometry_dropped: u64,
+    /// Readings of the inertial unit that were late or no numbers.
+    pub imu_dropped: u64,
     /// Jumps of the odometer.
     pub odometry_jumps: u64,
 }
@@ -52,6 +60,7 @@ pub struct Tracker {
     /// Particles have their maps in a frame in which the robot began, so that no direction of the world is special to cells
     /// and chance.
     pub(super) map_from_start: Pose2,
+    pub(super) archive: Archive,
     pub(super) diary: Diary,
     pub(super) odometer: Odometer,
     pub(super) counters: Counters,
@@ -72,6 +81,7 @@ pub struct Tracker {
     pub(super) n_unmatched: u32,
     /// Way since the last match, meters.
     pub(super) way_unmatched_m: f64,
+    closing: Closing,
     points: ScanPoints,
     waiting: VecDeque<Observation>,
 }
@@ -86,6 +96,7 @@ impl Tracker {
             filter: Filter::new(settings.filter.clone(), streams),
             follower: Follower::new(settings.follow),
             map_from_start: Pose2::identity(),
+            archive: Archive::default(),
             diary: Diary::default(),
             odometer: Odometer::new(settings.max_odom_jump_m),
             counters: Counters::default(),
@@ -98,6 +109,7 @@ impl Tracker {
             covariance: Matrix3::zeros(),
             n_unmatched: 0,
             way_unmatched_m: 0.0,
+            closing: Closing::default(),
             points: ScanPoints::default(),
             waiting: VecDeque::new(),
             settings,
@@ -109,7 +121,7 @@ impl Tracker {
         self.filter.begin(&Pose2::identity());
         self.follower.clear();
         self.map_from_start = *map_from_base;
-        self.diary = Diary::default();
+        (self.archive, self.diary) = (Archive::default(), Diary::default());
         self.odometer = Odometer::new(self.settings.max_odom_jump_m);
         (self.counters, self.is_started, self.stamp) = (Counters::default(), true, None);
         (self.step_stamp, self.step_from_base) = (Time::default(), Pose2::identity());
@@ -189,6 +201,11 @@ impl Tracker {
             match &observation.data {
                 Data::Odometry(odometry) => {
                     self.odometer.take(observation.stamp, odometry, &mut self.counters)
+                }
+                Data::Imu(imu) => {
+                    let is_used =
+                        self.odometer.gyro.take(observation.stamp, imu, &observation.base_from_sensor);
+                    self.counters.imu_dropped += u64::from(!is_used);
                 }
                 Data::LaserScan(_) => self.queue(observation),
                 _ => {}

@@ -3,6 +3,7 @@
 use super::RbpfSlamParams;
 use crate::graph_slam::registration::RegistrationSettings;
 use crate::graph_slam::surface::SurfaceLimits;
+use crate::rbpf_slam::closing::ClosingSettings;
 use crate::rbpf_slam::follower::FollowSettings;
 use crate::rbpf_slam::motion::MotionNoise;
 use crate::rbpf_slam::settings::{FilterSettings, TrackerSettings};
@@ -56,6 +57,32 @@ impl RbpfSlamParams {
         }
     }
 
+    fn closing_settings(&self) -> ClosingSettings {
+        ClosingSettings {
+            drift_share: self.loop_drift_share,
+            most_reach_m: self.loop_reach_m,
+            least_score: self.loop_least_score,
+            limits: SurfaceLimits {
+                min_range_m: self.min_range_m,
+                max_range_m: self.max_usable_range_m,
+                ..SurfaceLimits::SLANTED
+            },
+            registration: self.registration_settings(),
+            least_overlap: self.least_overlap,
+            least_agreement: self.least_agreement,
+        }
+    }
+
+    fn registration_settings(&self) -> RegistrationSettings {
+        RegistrationSettings {
+            across_m: self.noise_m,
+            along_m: ALONG_M,
+            loose_m: self.loose_noise_m,
+            gate_m: self.gate_m,
+            kernel_c: KERNEL_DEVIATIONS,
+        }
+    }
+
     fn follow_settings(&self) -> FollowSettings {
         FollowSettings {
             limits: SurfaceLimits {
@@ -68,13 +95,7 @@ impl RbpfSlamParams {
                 reach_beams: 2.5,
                 steepest: 6.0,
             },
-            registration: RegistrationSettings {
-                across_m: self.noise_m,
-                along_m: ALONG_M,
-                loose_m: self.loose_noise_m,
-                gate_m: self.gate_m,
-                kernel_c: KERNEL_DEVIATIONS,
-            },
+            registration: self.registration_settings(),
             n_recent: self.recent_scans as usize,
             min_points: self.min_points as usize,
             believed_share: self.believed_share,
@@ -97,6 +118,7 @@ impl RbpfSlamParams {
         Ok(TrackerSettings {
             filter: self.filter_settings(evidence),
             follow: self.follow_settings(),
+            closing: self.closing_settings(),
             motion: MotionNoise {
                 alpha: self.alpha,
                 floor_m: self.odometer_floor_m,

@@ -90,6 +90,11 @@ impl Drive {
         Drive { hall: Hall::published(), rng: stream(seed, "drive"), odom_from_base, last: lane(0.0) }
     }
 
+    /// How far a pose is turned from the one before, radians.
+    pub fn turn_since(&self, pose: &Pose2) -> f64 {
+        (self.last.inverse() * pose).rotation.angle()
+    }
+
     /// Odometry that errs by 3 % and more in curves, and a scan, from this pose.
     pub fn seen(&mut self, seconds: f64, pose: &Pose2) -> Vec<Observation> {
         let step = self.last.inverse() * pose;

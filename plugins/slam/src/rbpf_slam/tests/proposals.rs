@@ -129,7 +129,7 @@ fn sampled(noise: &MotionNoise, map_from_before: &Pose2, step: &Step, rng: &mut 
 fn the_covariance_of_a_step_is_that_of_sampled_steps() {
     let noise = MotionNoise { alpha: [0.01, 0.002, 0.003, 0.002], floor_m: 0.01, floor_rad: 0.005 };
     let before = pose2(3.0, 1.0, 2.0);
-    let step = Step { before_from_after: pose2(0.6, 0.1, 0.3), stray: [0.0004, 0.0001] };
+    let step = Step { before_from_after: pose2(0.6, 0.1, 0.3), stray: [0.0004, 0.0001], ..Step::default() };
     let covariance = noise.covariance(&before, &step);
     let expected = before * step.before_from_after;
     let mut rng = stream(6, "steps");

@@ -3,8 +3,8 @@
 use super::hall::{Drive, apart, lane, observation, tracker, update};
 use crate::rbpf_slam::RbpfSlamParams;
 use crate::rbpf_slam::tracker::Tracker;
-use rumbo_core::frames::{Pose2, pose2};
-use rumbo_core::messages::{Data, Odometry, Status};
+use rumbo_core::frames::{Pose2, Pose3, pose2};
+use rumbo_core::messages::{Data, Imu, Observation, Odometry, Status};
 use rumbo_core::time::Time;
 
 const SCAN_M: f64 = 0.138;
@@ -65,4 +65,49 @@ fn a_turn_that_the_wheels_have_not_seen_is_found_by_the_scan() {
         let tracker = drive_on(13, 12, pose, |_| Pose2::identity());
         assert!(is_tracking_after(&tracker, 12), "{side}");
     }
+}
+
+/// Turns by 50 degrees from scan to scan, which the wheels do not see and a unit that hangs head down does; the largest
+/// error of the heading, degrees.
+fn turned_fast(has_unit: bool) -> f64 {
+    let params = RbpfSlamParams { particles: 8, ..RbpfSlamParams::default() };
+    let (mut tracker, mut drive) = (tracker(&params, 14), Drive::new(14));
+    let here = lane(SCAN_M * 39.0);
+    let mut worst = 0f64;
+    for k in 0u32..48 {
+        let seconds = 0.1 * f64::from(k);
+        let turns = f64::from(k.saturating_sub(40).min(4));
+        let at = if k < 40 {
+            lane(SCAN_M * f64::from(k))
+        } else {
+            here * pose2(0.0, 0.0, turns * 50f64.to_radians())
+        };
+        let rate_rad_s =
+            if (41..45).contains(&k) { 500f64.to_radians() } else { drive.turn_since(&at) / 0.1 };
+        let mut seen = Vec::new();
+        for part in (1..=5u32).filter(|_| has_unit) {
+            let imu = Imu { rates_rad_s: [0.0, 0.0, -rate_rad_s], ..Imu::default() };
+            let base_from_sensor = Pose3::rotation(nalgebra::Vector3::x() * std::f64::consts::PI);
+            let stamp_s = seconds - 0.1 + 0.02 * f64::from(part);
+            seen.push(Observation { base_from_sensor, ..observation(stamp_s, Data::Imu(imu)) });
+        }
+        if k < 40 {
+            seen.extend(drive.seen(seconds, &at));
+        } else {
+            let odometry = Odometry { odom_from_base: drive.odom_from_base, ..Odometry::default() };
+            seen.push(observation(seconds, Data::Odometry(odometry)));
+            seen.push(observation(seconds, Data::LaserScan(drive.hall.scan(&at, &mut drive.rng))));
+            drive.last = at;
+        }
+        update(&mut tracker, seconds, &seen);
+        worst = worst.max(apart(&at, &tracker.estimate(Time::from_secs(seconds)).pose2())[1]);
+    }
+    worst
+}
+
+#[test]
+fn a_turn_that_only_the_gyroscope_has_seen_is_followed() {
+    let (with_unit, without) = (turned_fast(true), turned_fast(false));
+    assert!(with_unit < 2.0, "{with_unit} degrees");
+    assert!(without > 20.0, "{without} degrees: the scans alone find such a turn, and prove nothing");
 }

@@ -1,6 +1,7 @@
 //! Steps between scans: by the odometer, or where there is none by the velocity so far.
 
 use super::Counters;
+use super::gyro::Gyro;
 use crate::rbpf_slam::motion::Step;
 use rumbo_core::frames::{Pose2, Twist};
 use rumbo_core::messages::{Check, Odometry};
@@ -12,6 +13,8 @@ use rumbo_kit::odometry_history::{OdometryHistory, Reading, is_jump};
 pub struct Odometer {
     history: OdometryHistory,
     max_jump_m: f64,
+    /// What an inertial unit says.
+    pub(in crate::rbpf_slam) gyro: Gyro,
     /// The pose at the last scan, where the odometer knows it.
     pub(in crate::rbpf_slam) at_scan: Option<Pose2>,
     /// Variances that the next step has beside its own.
@@ -35,7 +38,8 @@ impl Odometer {
     /// Nothing was said yet.
     pub fn new(max_jump_m: f64) -> Odometer {
         let history = OdometryHistory::default();
-        Odometer { history, max_jump_m, at_scan: None, stray: [0.0; 2], velocity: Twist::ZERO }
+        let (gyro, velocity) = (Gyro::default(), Twist::ZERO);
+        Odometer { history, max_jump_m, gyro, at_scan: None, stray: [0.0; 2], velocity }
     }
 
     /// Takes in a reading.
@@ -69,23 +73,33 @@ impl Odometer {
     /// Nothing better will be known of this time.
     pub fn is_ready(&self, stamp: Time, now: Time) -> bool {
         let is_silent = self.history.newest().is_none();
-        is_silent || self.history.is_past(stamp) || now - stamp > Span::from_secs(PATIENCE_S)
+        (is_silent || self.history.is_past(stamp)) && self.gyro.is_past(stamp)
+            || now - stamp > Span::from_secs(PATIENCE_S)
     }
 
-    /// The step from the last scan, if there was one, to a scan of this time.
+    /// The step from the last scan, if there was one, to a scan of this time; its turn by the gyroscope where there is one.
     pub fn step_to(&mut self, stamp: Time, last: Option<Time>) -> Step {
+        let mut step = self.step_of_wheels(stamp, last);
+        if let Some((turn_rad, variance)) = self.gyro.turn_to(stamp, last) {
+            step.before_from_after.rotation = nalgebra::UnitComplex::new(turn_rad);
+            step.measured_turn = Some(variance);
+        }
+        step
+    }
+
+    fn step_of_wheels(&mut self, stamp: Time, last: Option<Time>) -> Step {
         let at_scan = self.history.at(stamp);
         let before = std::mem::replace(&mut self.at_scan, at_scan);
         let stray = std::mem::take(&mut self.stray);
         let elapsed_s = last.map_or(0.0, |last| (stamp - last).as_secs());
         if let (Some(before), Some(after)) = (before, at_scan) {
-            return Step { before_from_after: before.inverse() * after, stray };
+            return Step { before_from_after: before.inverse() * after, stray, ..Step::default() };
         }
         let most = |k: usize| (UNMEASURED[k] * elapsed_s).min(MOST_STRAY[k]).powi(2);
         let stray = [stray[0] + most(0), stray[1] + most(1)];
         // Longer than a moment nobody drives on as before.
         let moving_s = elapsed_s.min(1.0);
-        Step { before_from_after: self.velocity.integrate(moving_s), stray }
+        Step { before_from_after: self.velocity.integrate(moving_s), stray, ..Step::default() }
     }
 
     /// The robot was followed over this way in this time.
@@ -104,6 +118,7 @@ impl Odometer {
     /// What comes next has nothing to do with what came before, and the robot is where it is said to be.
     pub fn forget(&mut self) {
         self.history.clear();
+        self.gyro.forget();
         (self.at_scan, self.stray, self.velocity) = (None, [0.0; 2], Twist::ZERO);
     }
 
@@ -114,7 +129,7 @@ impl Odometer {
         match (newest, self.at_scan) {
             (Some((newest, odom_from_base)), Some(odom_from_scan)) if newest > stamp => {
                 let before_from_after = odom_from_scan.inverse() * odom_from_base;
-                (newest, Step { before_from_after, stray: self.stray })
+                (newest, Step { before_from_after, stray: self.stray, ..Step::default() })
             }
             _ => (stamp, Step::default()),
         }

@@ -85,16 +85,13 @@ impl Tracker {
         placed: Option<&Registered>,
     ) {
         let is_near = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
+        let (placed_step, since_step) = (&self.step_from_base, &self.since_step);
+        let followed = self.follower.followed(placed_step, placed, since_step, &self.settings.motion);
         let key = KeyScan {
             scan,
             base_from_sensor: observation.base_from_sensor,
             points: &self.points,
-            followed: self.follower.followed(
-                &self.step_from_base,
-                placed,
-                &self.since_step,
-                &self.settings.motion,
-            ),
+            followed,
             explores: is_near && placed.is_some(),
             is_lost: self.is_lost(),
         };
@@ -105,8 +102,12 @@ impl Tracker {
         if let (None, true, Some(best)) = (placed, outcome.n_matched > 0, &outcome.best) {
             self.step_from_base = best.before_from_after;
         }
+        self.archive.push(scan, &observation.base_from_sensor, is_drawn, &followed);
         self.follower.step(&self.step_from_base, is_drawn.then_some(surface));
         self.diary.step(observation.stamp, &self.step_from_base);
+        if is_drawn {
+            self.look_for_loops();
+        }
         (self.step_stamp, self.step_from_base) = (observation.stamp, Pose2::identity());
         self.since_step = Step::default();
     }
