@@ -50,8 +50,13 @@ impl LoopWorld {
 
     /// 541 beams over 270 degrees, 30 m, 3 cm noise.
     pub fn scan(&self, map_from_base: &Pose2, rng: &mut Rng) -> LaserScan {
+        self.scan_of(map_from_base, N_BEAMS, rng)
+    }
+
+    /// The same with so many beams.
+    pub fn scan_of(&self, map_from_base: &Pose2, n_beams: usize, rng: &mut Rng) -> LaserScan {
         let view_rad = 1.5 * std::f64::consts::PI;
-        let step_rad = view_rad / (N_BEAMS - 1) as f64;
+        let step_rad = view_rad / (n_beams - 1) as f64;
         let range = |k: usize| {
             let normal: f64 = StandardNormal.sample(&mut *rng);
             (self.range_m(map_from_base, k as f64 * step_rad - 0.5 * view_rad) + 0.03 * normal) as f32
@@ -60,7 +65,7 @@ impl LoopWorld {
             first_bearing_rad: -0.5 * view_rad,
             bearing_step_rad: step_rad,
             max_range_m: 30.0,
-            ranges_m: (0..N_BEAMS).map(range).collect::<Vec<f32>>().into(),
+            ranges_m: (0..n_beams).map(range).collect::<Vec<f32>>().into(),
             ..LaserScan::default()
         }
     }
