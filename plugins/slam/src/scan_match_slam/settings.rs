@@ -100,7 +100,9 @@ impl ScanMatchSlamParams {
                     ..ObservabilitySettings::default()
                 },
                 covariance: CovarianceSettings { rule: self.covariance, ..CovarianceSettings::default() },
-                ..MatchSettings::default()
+                // What the cells leave, the surfaces in them take away.
+                finest_converge_cells: if self.polish { 0.05 } else { 0.0 },
+                ..MatchSettings::quick()
             },
             polish: self.polish.then(|| PolishSettings {
                 deviation_m: self.surface_deviation_m,
