@@ -100,7 +100,7 @@ struct Figures {
 impl Figures {
     /// Matches once to look and a few times for the clock.
     fn run(&mut self, on: &Mapped, points: &ScanPoints, start: &Pose2, truth: &Pose2, reach_m: f64, polished: bool) {
-        let settings = MatchSettings { finest_converge_cells: if polished { 0.05 } else { 0.0 }, ..MatchSettings::quick() };
+        let settings = MatchSettings { finest_converge_cells: if polished { 0.1 } else { 0.0 }, ..MatchSettings::quick() };
         let polish = PolishSettings::default();
         let mut best_s = f64::INFINITY;
         let mut last = None;

@@ -35,11 +35,11 @@ impl Default for PolishSettings {
         PolishSettings {
             iterations: 5,
             doubt_m: 0.03,
-            deviation_m: 0.05,
+            deviation_m: 0.025,
             farthest_cells: 1.5,
             least_share: 0.3,
-            converge_m: 2e-4,
-            converge_rad: 1e-4,
+            converge_m: 5e-4,
+            converge_rad: 2e-4,
         }
     }
 }

@@ -164,7 +164,7 @@ impl Default for ScanMatchSlamParams {
             coarse_iterations: 4,
             polish: true,
             surface_doubt_m: 0.03,
-            surface_deviation_m: 0.05,
+            surface_deviation_m: 0.025,
             covariance: CovarianceRule::Curvature,
             degeneracy_ratio: 1e-3,
             min_points: 30,
