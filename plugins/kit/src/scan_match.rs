@@ -16,8 +16,12 @@ mod logistic;
 mod matcher;
 mod observability;
 mod points;
+mod polish;
 mod preparation;
 mod step;
+mod surface_fit;
+mod surface_map;
+mod surface_normals;
 
 pub use covariance::{CovarianceRule, CovarianceSettings};
 pub use gate::{MatchGate, MatchStatus};
@@ -27,8 +31,11 @@ pub use logistic::logistic;
 pub use matcher::{MatchSettings, ScanMatch, match_scan};
 pub use observability::{BlindAxes, Observability, ObservabilitySettings};
 pub use points::ScanPoints;
+pub use polish::PolishSettings;
 pub use preparation::ScanPreparation;
 pub use step::{PosePrior, step};
+pub use surface_fit::{SurfaceFit, fit_surfaces};
+pub use surface_map::SurfaceMap;
 
 #[cfg(test)]
 mod tests;

@@ -85,7 +85,7 @@ impl CovarianceSettings {
         (moved(map_from_base, &mean), self.with_floor(covariance))
     }
 
-    fn with_floor(&self, covariance: Matrix3<f64>) -> Matrix3<f64> {
+    pub(super) fn with_floor(&self, covariance: Matrix3<f64>) -> Matrix3<f64> {
         let (way, turn) = (self.min_deviation_m.powi(2), self.min_deviation_rad.powi(2));
         let symmetric = (covariance + covariance.transpose()) * 0.5;
         symmetric + Matrix3::from_diagonal(&Vector3::new(way, way, turn))

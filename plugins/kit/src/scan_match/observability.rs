@@ -112,12 +112,32 @@ impl Observability {
     /// The evidence without what looks like evidence along directions that are not seen: `D^-1 Σ_seen λ v v^T D^-1` and
     /// `D^-1 Σ_seen v v^T D b`.
     pub(super) fn seen_evidence(&self, linearized: &Linearized) -> (Matrix3<f64>, Vector3<f64>) {
+        self.only_seen(&linearized.hessian, &linearized.descent)
+    }
+
+    /// The same of other evidence, which these directions need not take apart: `D^-1 P D H D P D^-1` and `D^-1 P D b`, where P
+    /// projects on what is seen.
+    pub(super) fn only_seen(
+        &self,
+        hessian: &Matrix3<f64>,
+        descent: &Vector3<f64>,
+    ) -> (Matrix3<f64>, Vector3<f64>) {
+        if self.is_complete() {
+            return (*hessian, *descent);
+        }
         let inverse = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, self.extent_m));
         let kept = Matrix3::from_diagonal(&Vector3::from_fn(|k, _| f64::from(u8::from(self.seen[k]))));
-        let basis = self.directions * kept;
-        let hessian = inverse * basis * Matrix3::from_diagonal(&self.evidence) * basis.transpose() * inverse;
-        let descent = linearized.descent.component_mul(&self.scale());
-        (hessian, inverse * basis * basis.transpose() * descent)
+        let project = self.directions * kept * self.directions.transpose();
+        let within = project * scaled(hessian, self.extent_m) * project;
+        let along = project * descent.component_mul(&self.scale());
+        (inverse * within * inverse, inverse * along)
+    }
+
+    /// One along each direction that is not seen, so that a system that knows nothing of them can be solved.
+    pub(super) fn blind_identity(&self) -> Matrix3<f64> {
+        let inverse = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, self.extent_m));
+        let blind = Matrix3::from_diagonal(&Vector3::from_fn(|k, _| f64::from(u8::from(!self.seen[k]))));
+        inverse * self.directions * blind * self.directions.transpose() * inverse
     }
 
     /// Axes by the largest component of each direction that is not seen.

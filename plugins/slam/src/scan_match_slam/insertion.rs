@@ -6,7 +6,7 @@ use rumbo_core::frames::{Point2, Pose2, pose2};
 use rumbo_core::map::{Grid, GridFault, GridHeader, Map};
 use rumbo_core::messages::{LaserScan, Observation};
 use rumbo_kit::occupancy::{Inserted, UpdateGate};
-use rumbo_kit::scan_match::MatchStatus;
+use rumbo_kit::scan_match::{MatchStatus, SurfaceMap};
 
 /// Directions that a scan does not see must be known this well from before, meters (the specification's bound).
 const MOST_BLIND_DEVIATION_M: f64 = 0.1;
@@ -53,6 +53,8 @@ impl ScanTracker {
     /// Empty levels, and an empty map with the axes of its frame, around the robot.
     pub(super) fn lay(&mut self, map_from_base: &Pose2, map: &mut Map) -> Result<(), GridFault> {
         lay_levels(&self.settings, map_from_base, &mut self.levels)?;
+        let finest = self.levels.grid.as_ref().filter(|_| self.settings.polish.is_some());
+        self.surfaces = finest.map(|grid| SurfaceMap::new(grid.resolution_m(), grid.grid_from_map()));
         let around = Point2::from(map_from_base.translation.vector);
         self.drawer.pyramid().lay(map, self.settings.size_cells, around, [0.5, 0.5])
     }
@@ -96,6 +98,9 @@ impl ScanTracker {
             return Ok(false);
         }
         gate.close(map_from_base);
+        if let Some(surfaces) = &mut self.surfaces {
+            surfaces.insert(&self.points, map_from_base);
+        }
         self.levels.touch();
         // Nobody else holds the cells while they are written, so that they are not copied.
         self.drawn = None;

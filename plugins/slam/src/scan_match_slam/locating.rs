@@ -111,13 +111,18 @@ impl ScanTracker {
     fn match_from(&self, start: &Pose2, predicted: Option<&Tracked>, reach_m: f64) -> Located {
         let prior = predicted.and_then(|predicted| self.prior(predicted));
         let levels = levels_of(&self.levels);
-        let found = match_scan(
+        let mut found = match_scan(
             levels_within(&levels, reach_m),
             &self.points,
             start,
             prior.as_ref(),
             &self.settings.matching,
         );
+        let polishing = self.settings.polish.zip(self.surfaces.as_ref()).zip(found.as_mut());
+        if let Some(((polish, surfaces), found)) = polishing {
+            let covariance = &self.settings.matching.covariance;
+            polish.polish(found, surfaces, &self.points, prior.as_ref(), covariance);
+        }
         let mut gate = self.settings.gate;
         if predicted.is_some() {
             let deviations = self.drift.diagonal().map(|v| v.max(0.0).sqrt());

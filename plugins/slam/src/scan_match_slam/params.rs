@@ -77,6 +77,13 @@ pub struct ScanMatchSlamParams {
     pub finest_iterations: u32,
     /// Steps on each coarser level.
     pub coarse_iterations: u32,
+    /// A match ends on the surfaces that scans have seen in the cells, rather than on the cells: an error of millimeters
+    /// instead of a part of a cell.
+    pub polish: bool,
+    /// On surfaces, a point this far off counts half, meters.
+    pub surface_doubt_m: f64,
+    /// On surfaces, standard deviation of one point against the prior, meters: larger trusts the prediction more.
+    pub surface_deviation_m: f64,
     /// Where the covariance comes from: `curvature`, or `sampled` (seven looks at the map; better at its border).
     pub covariance: CovarianceRule,
     /// A direction with less evidence than this share of the best seen one is not seen.
@@ -155,6 +162,9 @@ impl Default for ScanMatchSlamParams {
             turn_acceleration_deg_s2: 115.0,
             finest_iterations: 12,
             coarse_iterations: 4,
+            polish: true,
+            surface_doubt_m: 0.03,
+            surface_deviation_m: 0.025,
             covariance: CovarianceRule::Curvature,
             degeneracy_ratio: 1e-3,
             min_points: 30,
@@ -243,12 +253,14 @@ impl Params for ScanMatchSlamParams {
 }
 
 impl ScanMatchSlamParams {
-    fn above_zero(&self) -> [(&'static str, f64); 6] {
+    fn above_zero(&self) -> [(&'static str, f64); 8] {
         [
             ("resolution_m", self.resolution_m),
             ("max_range_m", self.max_range_m),
             ("residual_variance", self.residual_variance),
             ("odometer_doubt", self.odometer_doubt),
+            ("surface_doubt_m", self.surface_doubt_m),
+            ("surface_deviation_m", self.surface_deviation_m),
             ("max_correction_m", self.max_correction_m),
             ("max_correction_deg", self.max_correction_deg),
         ]

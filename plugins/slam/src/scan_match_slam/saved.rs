@@ -11,8 +11,9 @@ use rumbo_core::messages::SensorId;
 use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::time::Time;
 use rumbo_kit::occupancy::UpdateGate;
+use rumbo_kit::scan_match::SurfaceMap;
 
-const SEAL: Seal = Seal { magic: *b"RUMBOSMS", version: 2 };
+const SEAL: Seal = Seal { magic: *b"RUMBOSMS", version: 3 };
 
 /// Everything that the next scan depends on; none before the first scan.
 pub fn save(tracker: &ScanTracker) -> Option<Vec<u8>> {
@@ -42,6 +43,7 @@ pub fn save(tracker: &ScanTracker) -> Option<Vec<u8>> {
     put_grid(to, drawn);
     let grids: Vec<&Grid> = levels.grid.iter().chain(&levels.coarse_grids).collect();
     put_all(to, &grids, |to, grid| put_grid(to, grid));
+    put_some(to, tracker.surfaces.as_ref(), put_surfaces);
     Some(Seal::close(bytes))
 }
 
@@ -90,6 +92,10 @@ fn read(from: &mut Reader<'_>, settings: TrackerSettings) -> Option<ScanTracker>
     tracker.levels = Map { grid: grids.pop(), coarse_grids: coarse, ..Map::default() };
     let fits = tracker.mapper.pyramid().fits(&tracker.levels) && tracker.drawer.pyramid().fits(&drawn);
     tracker.drawn = drawn.grid;
+    let finest = tracker.levels.grid.as_ref()?;
+    let empty = SurfaceMap::new(finest.resolution_m(), finest.grid_from_map());
+    let saved = some(from, surfaces)?;
+    tracker.surfaces = tracker.settings.polish.is_some().then(|| saved.unwrap_or(empty));
     fits.then_some(tracker)
 }
 
@@ -180,6 +186,28 @@ fn put_grid(bytes: &mut Vec<u8>, grid: &Grid) {
     put(bytes, &[header.resolution_m, header.occupied_above.into(), header.free_below.into()]);
     put(bytes, &header.origin);
     bytes.extend(grid.cells.iter().flat_map(|cell| cell.to_le_bytes()));
+}
+
+fn put_surfaces(bytes: &mut Vec<u8>, surfaces: &SurfaceMap) {
+    put(bytes, &[surfaces.resolution_m()]);
+    put_pose(bytes, &surfaces.level_from_map());
+    put_count(bytes, surfaces.tiles().count() as u32);
+    for (tile, cells) in surfaces.tiles() {
+        bytes.extend(tile.iter().flat_map(|v| v.to_le_bytes()));
+        bytes.extend(cells.iter().flatten().flat_map(|v| v.to_le_bytes()));
+    }
+}
+
+fn surfaces(rest: &mut Reader<'_>) -> Option<SurfaceMap> {
+    let resolution_m = number(rest).filter(|edge| *edge > 0.0)?;
+    let mut surfaces = SurfaceMap::new(resolution_m, pose(rest)?);
+    for _ in 0..rest.u32()? {
+        let tile = [rest.u32()?, rest.u32()?].map(|v| v as i32);
+        let numbers: Vec<f32> =
+            rest.u32s(SurfaceMap::TILE_NUMBERS)?.into_iter().map(f32::from_bits).collect();
+        surfaces.put_tile(tile, numbers.as_chunks().0).then_some(())?;
+    }
+    Some(surfaces)
 }
 
 fn pose(rest: &mut Reader<'_>) -> Option<Pose2> {

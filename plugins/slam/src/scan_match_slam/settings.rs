@@ -5,7 +5,7 @@ use super::params::{Prediction, ScanMatchSlamParams};
 use super::place_search::PlaceSearchSettings;
 use rumbo_kit::occupancy::{BeamLimits, Evidence, FreeSpace, MapperSettings, Pyramid};
 use rumbo_kit::scan_match::{
-    CovarianceSettings, MatchGate, MatchSettings, ObservabilitySettings, ScanPreparation,
+    CovarianceSettings, MatchGate, MatchSettings, ObservabilitySettings, PolishSettings, ScanPreparation,
 };
 
 /// Everything that can be set.
@@ -15,6 +15,8 @@ pub struct TrackerSettings {
     pub preparation: ScanPreparation,
     /// The search.
     pub matching: MatchSettings,
+    /// The last step of a match, onto the surfaces in the cells.
+    pub polish: Option<PolishSettings>,
     /// What is believed.
     pub gate: MatchGate,
     /// The map.
@@ -98,8 +100,15 @@ impl ScanMatchSlamParams {
                     ..ObservabilitySettings::default()
                 },
                 covariance: CovarianceSettings { rule: self.covariance, ..CovarianceSettings::default() },
-                ..MatchSettings::default()
+                // What the cells leave, the surfaces in them take away.
+                finest_converge_cells: if self.polish { 0.05 } else { 0.0 },
+                ..MatchSettings::quick()
             },
+            polish: self.polish.then(|| PolishSettings {
+                deviation_m: self.surface_deviation_m,
+                doubt_m: self.surface_doubt_m,
+                ..PolishSettings::default()
+            }),
             gate: MatchGate {
                 min_points: self.min_points,
                 min_known: self.min_known,

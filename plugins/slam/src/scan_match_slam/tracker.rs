@@ -10,7 +10,7 @@ use rumbo_core::map::{Grid, GridFault, Map};
 use rumbo_core::messages::{LaserScan, Observation, Seen, SensorId};
 use rumbo_core::time::Time;
 use rumbo_kit::occupancy::{ScanMapper, UpdateGate};
-use rumbo_kit::scan_match::{MatchStatus, ScanPoints};
+use rumbo_kit::scan_match::{MatchStatus, ScanPoints, SurfaceMap};
 
 /// Where the robot is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +51,8 @@ pub struct ScanTracker {
     pub(super) trajectory: Vec<(Time, Pose2)>,
     /// What scans are matched against.
     pub(super) levels: Map,
+    /// And then, finer than their cells.
+    pub(super) surfaces: Option<SurfaceMap>,
     /// Draws the map that is published.
     pub(super) drawer: ScanMapper,
     /// That map as it is between updates: what a save needs, which does not see it. Shares its cells.
@@ -82,6 +84,7 @@ impl ScanTracker {
             counters: Counters::default(),
             trajectory: Vec::new(),
             levels: Map::default(),
+            surfaces: None,
             drawer: ScanMapper::new(settings.drawing()),
             drawn: None,
             look: Look::default(),

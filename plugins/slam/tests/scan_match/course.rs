@@ -51,7 +51,18 @@ pub struct Course {
     pub speed_m_s: f64,
     pub rate_hz: f64,
     pub has_gyro: bool,
+    /// Noise of each of its ten readings a scan.
+    pub gyro_noise_rad_s: f64,
+    /// What the robot sees with.
+    pub camera: Camera,
     pub seed: u64,
+}
+
+/// What a scan is made with.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Camera {
+    Laser,
+    Depth,
 }
 
 #[derive(Debug)]
@@ -60,20 +71,35 @@ pub struct Outcome {
     pub worst_rad: f64,
     /// Scans after which the robot did not say that it is tracking.
     pub n_unsure: usize,
+    /// Scans after which it said that it is lost.
+    pub n_lost: usize,
+    /// Where it thought that it was.
+    pub way: Vec<Pose2>,
     pub map: Map,
 }
 
 /// One loop from the place and heading where the lane begins.
 pub fn drive(world: &LoopWorld, params: &ScanMatchSlamParams, course: &Course) -> Outcome {
+    drive_with(world, params, course, |_| Vec::new())
+}
+
+/// The same with what else is seen at each time, and where the robot thought it was.
+pub fn drive_with(
+    world: &LoopWorld,
+    params: &ScanMatchSlamParams,
+    course: &Course,
+    extra: impl Fn(f64) -> Vec<Observation>,
+) -> Outcome {
     let mut rng = stream(course.seed);
     let mut mapper = Mapper::start_at(params, lane(0.0));
-    let (mut worst_m, mut worst_rad, mut n_unsure) = (0.0f64, 0.0f64, 0);
+    let (mut worst_m, mut worst_rad, mut n_unsure, mut n_lost) = (0.0f64, 0.0f64, 0, 0);
+    let mut way = Vec::new();
     let n_scans = (LOOP_M / course.speed_m_s * course.rate_hz) as usize;
     let mut before = lane(0.0);
     for k in 0..n_scans {
         let time_s = k as f64 / course.rate_hz;
         let truth = lane(time_s * course.speed_m_s);
-        let mut seen = Vec::new();
+        let mut seen = extra(time_s);
         if course.has_gyro {
             // Ten readings a scan.
             for part in 1..=10 {
@@ -83,18 +109,24 @@ pub fn drive(world: &LoopWorld, params: &ScanMatchSlamParams, course: &Course) -
                 let turn = wrap_angle(at.rotation.angle() - before.rotation.angle());
                 let step_s = 0.1 / course.rate_hz;
                 // The mean rate of the step belongs to its middle.
-                seen.push(gyro(s - 0.5 * step_s + 1.0, turn / step_s + 0.01 * normal));
+                seen.push(gyro(s - 0.5 * step_s + 1.0, turn / step_s + course.gyro_noise_rad_s * normal));
                 before = at;
             }
         }
-        seen.push(laser(time_s + 1.0, world.scan(&truth, &mut rng)));
+        let scan = match course.camera {
+            Camera::Laser => world.scan(&truth, &mut rng),
+            Camera::Depth => world.depth_scan(&truth, &mut rng),
+        };
+        seen.push(laser(time_s + 1.0, scan));
         let estimate = mapper.see(&seen);
         let error = truth.inverse() * estimate.pose2();
         worst_m = worst_m.max(error.translation.vector.norm());
         worst_rad = worst_rad.max(error.rotation.angle().abs());
         n_unsure += usize::from(estimate.status != Status::Tracking);
+        n_lost += usize::from(estimate.status == Status::Lost);
+        way.push(estimate.pose2());
     }
-    Outcome { worst_m, worst_rad, n_unsure, map: mapper.map }
+    Outcome { worst_m, worst_rad, n_unsure, n_lost, way, map: mapper.map }
 }
 
 /// Distances of the cells that are surely occupied to the nearest true wall, ascending, meters.

@@ -26,6 +26,12 @@ impl LoopWorld {
         LoopWorld { segments: serde_json::from_value(file()["segments_base"].clone()).unwrap() }
     }
 
+    /// With the rubble near the lane that a depth camera needs.
+    pub fn dense() -> LoopWorld {
+        let segments = |key: &str| -> Vec<[f64; 4]> { serde_json::from_value(file()[key].clone()).unwrap() };
+        LoopWorld { segments: [segments("segments_base"), segments("segments_dense_extra")].concat() }
+    }
+
     /// A world of these walls.
     pub fn of(segments: Vec<[f64; 4]>) -> LoopWorld {
         LoopWorld { segments }
@@ -50,8 +56,13 @@ impl LoopWorld {
 
     /// 541 beams over 270 degrees, 30 m, 3 cm noise.
     pub fn scan(&self, map_from_base: &Pose2, rng: &mut Rng) -> LaserScan {
+        self.scan_of(map_from_base, N_BEAMS, rng)
+    }
+
+    /// The same with so many beams.
+    pub fn scan_of(&self, map_from_base: &Pose2, n_beams: usize, rng: &mut Rng) -> LaserScan {
         let view_rad = 1.5 * std::f64::consts::PI;
-        let step_rad = view_rad / (N_BEAMS - 1) as f64;
+        let step_rad = view_rad / (n_beams - 1) as f64;
         let range = |k: usize| {
             let normal: f64 = StandardNormal.sample(&mut *rng);
             (self.range_m(map_from_base, k as f64 * step_rad - 0.5 * view_rad) + 0.03 * normal) as f32
@@ -60,7 +71,26 @@ impl LoopWorld {
             first_bearing_rad: -0.5 * view_rad,
             bearing_step_rad: step_rad,
             max_range_m: 30.0,
-            ranges_m: (0..N_BEAMS).map(range).collect::<Vec<f32>>().into(),
+            ranges_m: (0..n_beams).map(range).collect::<Vec<f32>>().into(),
+            ..LaserScan::default()
+        }
+    }
+
+    /// The virtual scan of a depth camera: 160 columns over 57 degrees, 0.5 m to 8 m, noise of 1.5 mm/m² r².
+    pub fn depth_scan(&self, map_from_base: &Pose2, rng: &mut Rng) -> LaserScan {
+        let view_rad = 57f64.to_radians();
+        let step_rad = view_rad / 159.0;
+        let range = |k: usize| {
+            let normal: f64 = StandardNormal.sample(&mut *rng);
+            let exact = self.range_m(map_from_base, k as f64 * step_rad - 0.5 * view_rad);
+            (exact + 0.0015 * exact * exact * normal) as f32
+        };
+        LaserScan {
+            first_bearing_rad: -0.5 * view_rad,
+            bearing_step_rad: step_rad,
+            min_range_m: 0.5,
+            max_range_m: 8.0,
+            ranges_m: (0..160).map(range).map(|r| if r < 8.0 { r } else { f32::INFINITY }).collect::<Vec<_>>().into(),
             ..LaserScan::default()
         }
     }
