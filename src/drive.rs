@@ -13,7 +13,7 @@ use std::time::Instant;
 pub struct Driven {
     /// For reports and pictures.
     pub record: RunRecord,
-    /// The map as the run left it.
+    /// The map as it is known at the end of the run.
     pub map: Map,
     /// How it ended.
     pub end: RunEnd,
@@ -59,7 +59,9 @@ pub fn drive_engine(
         observers.extend(others.iter_mut().map(|observer| &mut **observer as &mut dyn Observer));
         engine.run(&mut observers, interrupt)
     };
-    let (wall, map) = (clock.elapsed(), engine.view().map.clone());
+    let wall = clock.elapsed();
+    // A map that does not lie where the known way does would mislead; where [slam] cannot say, there is the run's own.
+    let map = engine.slam_map().unwrap_or_else(|_| engine.view().map.clone());
     let outcome = Outcome::new(pipeline, &metrics, &end, &map, wall);
     let mut record = recorder.finish(pipeline, file, &map, config.to_owned());
     record.outcome = Some(outcome);

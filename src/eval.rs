@@ -1,6 +1,7 @@
 //! `rumbo eval`: how good trajectories and maps are.
 
 mod figures;
+mod graph;
 mod map;
 mod relations;
 mod slam;
@@ -28,6 +29,7 @@ enum What {
     Relations(relations::Args),
     Map(map::Args),
     Slam(slam::Args),
+    Graph(graph::Args),
 }
 
 /// Does it.
@@ -37,6 +39,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
         What::Relations(args) => relations::run(args, terminal),
         What::Map(args) => map::run(args, terminal),
         What::Slam(args) => slam::run(args, terminal),
+        What::Graph(args) => graph::run(args, terminal),
     }
 }
 

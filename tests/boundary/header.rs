@@ -205,7 +205,7 @@ fn layout_lines() -> String {
         rumbo_avoider_table { size, destroy, steer }
         rumbo_localizer_table { size, destroy, start, update }
         rumbo_map_builder_table { size, destroy, start, insert, save }
-        rumbo_slam_table { size, destroy, start, update, save, trajectory, relocate }
+        rumbo_slam_table { size, destroy, start, update, save, trajectory, relocate, save_map }
         rumbo_sensor_table { size, destroy, poll, derive }
         rumbo_host {
             size, abi_major, abi_minor, log, block_new, block_retain, block_release, make_mut_f32, config_f64,

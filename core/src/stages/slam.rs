@@ -30,6 +30,12 @@ pub trait Slam: Send {
         Ok(Vec::new())
     }
 
+    /// Brings its layers of a map that somebody wants to save to what is known now: drawn from the poses of
+    /// [`Slam::trajectory`], where the map that it works with lags behind them. That map stays.
+    fn save_map(&self, _map: &mut Map) -> Result<(), SlamError> {
+        Ok(())
+    }
+
     /// Its whole state, to continue from later as `Prior::Saved`.
     fn save(&self) -> Result<Vec<u8>, SlamError> {
         Err(SlamError::CannotSave)

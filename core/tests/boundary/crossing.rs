@@ -257,6 +257,19 @@ fn a_slam_plugin_is_told_where_the_robot_is_and_keeps_its_map() {
 }
 
 #[test]
+fn the_map_that_a_slam_plugin_saves_comes_back_changed() {
+    let slam: Box<dyn Slam> = stage(Stage::Slam, "double");
+    let mut map = full_map();
+    desk(|desk| desk.map = None);
+    let told = slam.save_map(&mut map).unwrap_err().to_string();
+    assert!(told.contains("nothing to draw"), "{told}");
+    desk(|desk| desk.map = Some(Map::default()));
+    let mut map = full_map();
+    assert_eq!(slam.save_map(&mut map), Ok(()));
+    assert_eq!(map.grid.unwrap().cells[0], full_map().grid.unwrap().cells[0] + 1.0);
+}
+
+#[test]
 fn the_trajectory_of_a_slam_plugin_comes_back_to_the_bit() {
     let slam: Box<dyn Slam> = stage(Stage::Slam, "double");
     assert_eq!(slam.trajectory(), Ok(Vec::new()));

@@ -4,6 +4,7 @@ use crate::{Events, doubles, pipeline, stage};
 use nalgebra::Matrix3;
 use rumbo_core::engine::{AskError, Engine, EventKind, Order, State, Stepped};
 use rumbo_core::frames::{Pose2, pose2};
+use rumbo_core::map::Map;
 use rumbo_core::pipeline::{InitialPose, Mission, Pipeline, WellKnownPose};
 use rumbo_core::registry::Stage;
 use rumbo_core::saved_state::SavedState;
@@ -139,6 +140,16 @@ fn the_trajectory_of_a_run_can_be_asked_at_any_time() {
     assert!(poses.len() > 10);
     let engine = Engine::build(&pipeline("no_slam")).unwrap();
     assert_eq!(engine.trajectory(), Err(AskError::NoSlam));
+}
+
+#[test]
+fn the_map_that_is_saved_is_as_its_slam_knows_it_and_the_run_goes_on_with_its_own() {
+    let mut engine = Engine::build(&mapping("saved_map", "")).unwrap();
+    step_until(&mut engine, 1.0, &mut Events::default());
+    let second_cell = |map: &Map| map.grid.as_ref().unwrap().cells[1];
+    assert_eq!(second_cell(&engine.save_map().unwrap().map), 7.0);
+    assert_eq!(second_cell(&engine.slam_map().unwrap()), 7.0);
+    assert_eq!(second_cell(engine.view().map), 0.0);
 }
 
 #[test]

@@ -11,12 +11,15 @@
 
 mod component;
 mod constraint;
+mod g2o;
 mod graph;
 mod kernel;
 mod normal_equations;
 mod optimizer;
+mod start;
 
 pub use constraint::{Constraint, Linearized};
+pub use g2o::{G2oError, G2oGraph, read_g2o};
 pub use graph::{GraphFault, PoseGraph};
 pub use kernel::RobustKernel;
 pub use optimizer::{Covariances, GraphOptimizer, OptimizeSettings, OptimizeStatus, Optimized};

@@ -174,6 +174,15 @@ pub struct rumbo_slam_table {
             error: *mut rumbo_error,
         ) -> i32,
     >,
+    /// Asked when somebody saves the map: brings its layers of `map`, which is what will be saved, to the poses of
+    /// `trajectory`; null where its map is always so. Since ABI 1.1.
+    pub save_map: Option<
+        unsafe extern "C" fn(
+            instance: *const c_void,
+            map: *mut rumbo_map_mut,
+            error: *mut rumbo_error,
+        ) -> i32,
+    >,
 }
 
 /// Functions of a sensor.

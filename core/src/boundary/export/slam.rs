@@ -22,6 +22,7 @@ pub(super) static TABLE: rumbo_slam_table = rumbo_slam_table {
     save: Some(save),
     trajectory: Some(trajectory),
     relocate: Some(relocate),
+    save_map: Some(save_map),
 };
 
 struct Side {
@@ -131,6 +132,21 @@ unsafe extern "C" fn trajectory(
             let found: Vec<_> = found.iter().map(stamped_pose_of).collect();
             push(out.ctx, found.as_ptr(), found.len());
             RUMBO_OK
+        })
+    }
+}
+
+unsafe extern "C" fn save_map(this: *const c_void, map: *mut rumbo_map_mut, error: *mut rumbo_error) -> i32 {
+    // SAFETY: what the host hands over for this call, and an instance that `this` gave.
+    unsafe {
+        with_map(map, |map| {
+            guarded(error, |error| {
+                let Some(side) = this.cast::<Side>().as_ref() else { return RUMBO_ERROR };
+                match side.slam.save_map(map) {
+                    Err(why) => why.cross(error),
+                    Ok(()) => RUMBO_OK,
+                }
+            })
         })
     }
 }

@@ -82,6 +82,16 @@ impl Slam for DynSlam {
         taken.map_err(|bad| SlamError::Other(self.instance.nonsense(bad)))
     }
 
+    fn save_map(&self, map: &mut Map) -> Result<(), SlamError> {
+        let Some(save_map) = self.table.save_map else { return Ok(()) };
+        let mut map = MapHandle::new(map);
+        self.instance.look::<SlamError>(|this, error| {
+            // SAFETY: a function of the instance's own table; the map lives until it returns.
+            unsafe { save_map(this, map.lend(), error) }
+        })?;
+        map.end().map_err(|bad| SlamError::Other(self.instance.nonsense(bad)))
+    }
+
     fn save(&self) -> Result<Vec<u8>, SlamError> {
         let save = self.table.save.ok_or(SlamError::CannotSave)?;
         let mut bytes = Pushed::<u8>::new();

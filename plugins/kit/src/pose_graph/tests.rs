@@ -1,6 +1,8 @@
 //! Against the vectors of the specification, finite differences, and dense algebra on generated graphs.
 
+mod files;
 mod generated;
+mod manhattan;
 mod vectors;
 
 use super::*;

@@ -1,5 +1,6 @@
 //! The key frames, and what is known between them.
 
+use super::contradiction::View;
 use super::nearest::NearestTable;
 use super::registration::RegistrationSettings;
 use super::surface::{SurfacePoint, Turn};
@@ -21,6 +22,12 @@ pub(super) struct KeyFrame {
     pub surface: Vec<SurfacePoint>,
     /// Its place was found by dead reckoning.
     pub is_guessed: bool,
+}
+
+impl KeyFrame {
+    pub fn view(&self) -> View<'_> {
+        View { scan: &self.scan, base_from_sensor: &self.base_from_sensor, surface: &self.surface }
+    }
 }
 
 /// How key frames are tied together.

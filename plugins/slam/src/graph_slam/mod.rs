@@ -6,6 +6,7 @@
 //! environment mapping" (1997), solved sparsely; the map is drawn from the poses that agree best with everything.
 
 mod atlas;
+mod contradiction;
 mod front_end;
 mod gyro;
 mod key_frames;

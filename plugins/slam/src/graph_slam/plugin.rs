@@ -175,6 +175,16 @@ impl Slam for GraphSlam {
         Ok(self.tracker.trajectory())
     }
 
+    fn save_map(&self, map: &mut Map) -> Result<(), SlamError> {
+        let atlas = self.tracker.settled();
+        if !atlas.frames.is_empty() {
+            map.grid = None;
+            Sheet::new(self.sheet_settings).keep_up(atlas, 0, &mut map.grid);
+            map.touch();
+        }
+        Ok(())
+    }
+
     fn save(&self) -> Result<Vec<u8>, SlamError> {
         Ok(saved::write(&self.tracker))
     }

@@ -1,6 +1,7 @@
 //! One scan after the other: the robot's place, key frames, loops.
 
 use super::atlas::{Atlas, KeyFrame, TieSettings};
+use super::contradiction::{View, denied_share};
 use super::front_end::{FrontEnd, Prediction, SURE_FIT};
 use super::gyro::{Gyro, Heading};
 use super::loops::{LoopSearch, LoopSettings, frames_of, thinned};
@@ -10,6 +11,7 @@ use rumbo_core::frames::{Pose2, Pose3, lift};
 use rumbo_core::messages::{LaserScan, StampedPose};
 use rumbo_core::time::Time;
 use rumbo_kit::odometry_history::OdometryHistory;
+use std::cell::OnceCell;
 
 /// How the robot is followed and its map kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,16 +101,24 @@ pub(super) struct Tracker {
     pub n_loops: usize,
     /// Goes up whenever key frames have moved.
     pub n_moves: u64,
+    /// The key frames after everything was registered once more, since somebody asked.
+    settled: OnceCell<Atlas>,
 }
 
 /// After so long without a scan the odometer is all there is, seconds.
 pub(super) const BLIND_AFTER_S: f64 = 1.0;
 /// A robot whose scans fit no better than this for some time is somewhere else.
 const POOR_FIT: f64 = 0.6;
+/// Nor is one that meets things where the key frame before saw free space, or the other way round: share of what both see.
+const MOST_DENIED: f64 = 0.25;
+/// A robot that has doubted its place is sure again where no more than this contradicts it.
+const SURELY_DENIED: f64 = 0.1;
 /// So many scans in a row may fit badly before it takes a good one to be sure again.
 const MISSED_BY_CHANCE: u32 = 2;
-/// Lost robots look for themselves every so many scans.
+/// Lost robots look for themselves, and again after so many scans, twice as many, and so on ...
 const LOOK_EVERY: u32 = 10;
+/// ... up to so many times as many.
+const LONGEST_PAUSE: u32 = 32;
 
 impl Tracker {
     pub fn new(settings: TrackerSettings, first_pose: Pose2) -> Tracker {
@@ -133,6 +143,7 @@ impl Tracker {
             left_out: LeftOut::default(),
             n_loops: 0,
             n_moves: 0,
+            settled: OnceCell::new(),
         }
     }
 
@@ -151,11 +162,13 @@ impl Tracker {
             self.left_out.late += 1;
             return;
         }
+        self.settled.take();
         let surface = surface_of(scan, base_from_sensor, &self.settings.limits);
         let prediction = self.predict(stamp);
         let last = self.frame_from_base;
         self.frame_from_base = prediction.frame_from_base;
-        self.place(&surface, &prediction);
+        let view = View { scan, base_from_sensor, surface: &surface };
+        self.place(&view, &prediction);
         self.remember(stamp, &last);
         let has_points = surface.len() >= self.settings.min_points;
         let was_blind = self.saw_at.is_none_or(|seen| (stamp - seen).as_secs() > BLIND_AFTER_S);
@@ -178,7 +191,8 @@ impl Tracker {
         }
     }
 
-    fn place(&mut self, surface: &[SurfacePoint], prediction: &Prediction) {
+    fn place(&mut self, view: &View<'_>, prediction: &Prediction) {
+        let surface = view.surface;
         if self.atlas.frames.is_empty() {
             self.fit = if surface.len() < self.settings.min_points { Fit::Guessed } else { Fit::Placed };
             return;
@@ -205,8 +219,14 @@ impl Tracker {
             let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
             self.covariance = inverse.unwrap_or(self.covariance);
             // A robot that was carried away must not settle where it fits least badly.
-            let least_fit = if self.n_missed > MISSED_BY_CHANCE { SURE_FIT } else { POOR_FIT };
-            if found.fit() >= least_fit {
+            let (least_fit, most_denied) = if self.n_missed > MISSED_BY_CHANCE {
+                (SURE_FIT, SURELY_DENIED)
+            } else {
+                (POOR_FIT, MOST_DENIED)
+            };
+            let denied_share = self.denied_share(view);
+            if std::env::var("DENY").is_ok() { eprintln!("DENY {:.3} {:.3}", denied_share, found.fit()); }
+            if found.fit() >= least_fit && denied_share <= most_denied {
                 self.fit = Fit::Placed;
                 self.n_missed = 0;
                 return;
@@ -219,10 +239,16 @@ impl Tracker {
         self.n_missed += 1;
         if self.n_missed >= self.settings.lost_after_scans {
             self.fit = Fit::Lost;
-            if self.n_missed.is_multiple_of(LOOK_EVERY) {
+            if self.looks_now() {
                 self.look_anywhere(surface);
             }
         }
+    }
+
+    /// How much of the scan contradicts the key frame that the robot is seen from.
+    fn denied_share(&self, view: &View<'_>) -> f64 {
+        let Some(frame) = self.atlas.frames.get(self.front.frame) else { return 0.0 };
+        denied_share(&frame.view(), view, &self.frame_from_base)
     }
 
     fn guess(&mut self, prediction: &Prediction) {
@@ -232,6 +258,14 @@ impl Tracker {
         if self.fit == Fit::Placed {
             self.fit = Fit::Guessed;
         }
+    }
+
+    /// Each look in vain doubles the pause: what did not fit anywhere will hardly fit soon.
+    fn looks_now(&self) -> bool {
+        let lost_for = self.n_missed.saturating_sub(self.settings.lost_after_scans);
+        let pauses = lost_for / LOOK_EVERY;
+        lost_for.is_multiple_of(LOOK_EVERY)
+            && ((pauses + 1).is_power_of_two() || pauses.is_multiple_of(LONGEST_PAUSE))
     }
 
     /// A lost robot looks for its place in the whole map.
@@ -281,7 +315,7 @@ impl Tracker {
     pub fn lose(&mut self) {
         self.forget_motion();
         self.fit = Fit::Lost;
-        self.n_missed = self.settings.lost_after_scans.next_multiple_of(LOOK_EVERY) - 1;
+        self.n_missed = self.settings.lost_after_scans - 1;
     }
 
     fn forget_motion(&mut self) {
@@ -292,11 +326,19 @@ impl Tracker {
         self.saw_at = None;
     }
 
-    /// Where the robot was at all scans, after everything was registered once more.
+    /// The key frames after everything was registered once more: what trajectory and map are told from.
+    pub fn settled(&self) -> &Atlas {
+        self.settled.get_or_init(|| {
+            let mut atlas = self.atlas.clone();
+            atlas.optimize(10);
+            atlas.refine(self.settings.refine_rounds);
+            atlas
+        })
+    }
+
+    /// Where the robot was at all scans.
     pub fn trajectory(&self) -> Vec<StampedPose> {
-        let mut atlas = self.atlas.clone();
-        atlas.optimize(10);
-        atlas.refine(self.settings.refine_rounds);
+        let atlas = self.settled();
         let mut poses: Vec<StampedPose> = Vec::with_capacity(self.tracks.len());
         for track in &self.tracks {
             if poses.last().is_some_and(|last| last.stamp >= track.stamp) {

@@ -3,7 +3,7 @@
 use super::building::{log, rounds};
 use crate::graph_slam::GraphSlamParams;
 use nalgebra::Matrix3;
-use rumbo_core::frames::{Pose2, flatten, pose2};
+use rumbo_core::frames::{Point2, Pose2, flatten, pose2};
 use rumbo_core::map::{CellClass, Map};
 use rumbo_core::messages::{Data, Estimate, LaserScan, Observation, Prior, Seen, Status};
 use rumbo_core::registry::{Params, Plugin};
@@ -175,4 +175,49 @@ fn impossible_parameters_are_all_named() {
     let expected =
         ["resolution_m", "gate_m", "least_overlap", "optimize_every", "max_range_m", "update_factor_free"];
     assert_eq!(keys, expected);
+}
+
+#[test]
+fn the_map_that_is_saved_lies_where_the_trajectory_says() {
+    let poses = &rounds(2)[..700];
+    // It finds no loop until it is asked for what it knows.
+    let mut params = GraphSlamParams { optimize_every: 10_000, ..GraphSlamParams::default() };
+    (params.loops.places, params.loops.trusted_way_m) = (0, 0.01);
+    let (mut slam, mut map) = (built(&params), Map::default());
+    slam.start(&at(poses[0]), &mut map).unwrap();
+    let log = log(poses, true);
+    drive(&mut *slam, &mut map, &log);
+    let mut saved = map.clone();
+    slam.save_map(&mut saved).unwrap();
+    let trajectory = slam.trajectory().unwrap();
+    assert_eq!(trajectory.len(), log.len());
+    // Share of what was seen from the known way that lies on walls of the map.
+    let share = |map: &Map| {
+        let grid = map.grid.as_ref().unwrap();
+        let is_wall = |x: f64, y: f64| {
+            grid.cell_at(Point2::new(x, y)).is_some_and(|cell| grid.class(cell) == CellClass::Occupied)
+        };
+        let mut seen = Vec::new();
+        for (stamped, observations) in trajectory.iter().zip(&log).step_by(9) {
+            let Data::LaserScan(scan) = &observations[1].data else { panic!() };
+            for (beam, range_m) in scan.ranges_m.iter().enumerate().step_by(5) {
+                let (sin, cos) = scan.bearing_rad(beam).sin_cos();
+                let range_m = f64::from(*range_m);
+                let end = flatten(&stamped.map_from_base) * Point2::new(range_m * cos, range_m * sin);
+                let near = [-0.05, 0.0, 0.05];
+                seen.push(near.iter().any(|dx| near.iter().any(|dy| is_wall(end.x + dx, end.y + dy))));
+            }
+        }
+        seen.iter().filter(|is_on_wall| **is_on_wall).count() as f64 / seen.len() as f64
+    };
+    let (lies, lay) = (share(&saved), share(&map));
+    assert!(lies > 0.97 && lay < 0.9, "{lies} on walls of the saved map, {lay} of the one before");
+    let (mut again, mut other) = (built(&params), Map::default());
+    again.start(&Prior::Saved(slam.save().unwrap().into()), &mut other).unwrap();
+    again.save_map(&mut other).unwrap();
+    assert!(share(&other) > lies - 0.01, "a state that was saved knows the same");
+    let other_way = again.trajectory().unwrap();
+    for (a, b) in trajectory.iter().zip(&other_way) {
+        assert!(off_m(&flatten(&a.map_from_base), &flatten(&b.map_from_base)) < 1e-6);
+    }
 }
