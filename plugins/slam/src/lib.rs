@@ -5,3 +5,4 @@ pub mod ekf_line_slam;
 pub mod graph_slam;
 pub mod rbpf_slam;
 pub mod scan_match_slam;
+mod turning;

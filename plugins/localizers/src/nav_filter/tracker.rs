@@ -44,6 +44,8 @@ pub struct Counts {
     pub n_alone: u64,
     /// Scans that were not newer than the last.
     pub n_late: u64,
+    /// Scans that saw a slope go by as the robot tilted.
+    pub n_sloped: u64,
     /// Readings whose numbers cannot be.
     pub n_refused: u64,
 }
@@ -66,6 +68,8 @@ pub struct Tracker {
     /// Where the filter was for the key scan, and where the scans say that the last one was seen from there.
     odom_from_key: Pose2,
     key_from_scanned: Pose2,
+    /// How the scanner leaned for the key scan, in the axes of the base then.
+    key_lean: Vector2<f64>,
     last_match: Option<Time>,
     counts: Counts,
 }
@@ -96,6 +100,7 @@ impl Tracker {
             last_scan: None,
             odom_from_key: start.0,
             key_from_scanned: Pose2::identity(),
+            key_lean: Vector2::zeros(),
             last_match: None,
             counts: Counts::default(),
         })
@@ -152,6 +157,7 @@ impl Tracker {
             // Steps count from here.
             self.filter.take_step(stamp, None);
             self.odom_from_key = self.filter.odom_from_anchor();
+            self.key_lean = lean(mount);
             return;
         };
         let prior = predicted.unwrap_or_else(|| self.unknown_step(stamp - since));
@@ -163,6 +169,14 @@ impl Tracker {
         let step = taken.matched.status.is_good().then(|| {
             let mut step = measured(&taken, &key_from_anchor);
             step.covariance += leveling_covariance(scan, mount, self.settings.leveled_within_rad);
+            let key_from_base = taken.matched.key_from_base.rotation;
+            let leaned = key_from_anchor.rotation.inverse() * (key_from_base * lean(mount) - self.key_lean);
+            if is_a_slope(&step, &prior, &leaned) {
+                self.counts.n_sloped += 1;
+                let along = leaned.normalize() * UNKNOWN_M;
+                let unknown = step.covariance.fixed_view::<2, 2>(0, 0) + along * along.transpose();
+                step.covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(&unknown);
+            }
             step
         });
         if predicted.is_some() {
@@ -179,6 +193,7 @@ impl Tracker {
         if taken.is_key {
             self.odom_from_key = self.filter.odom_from_anchor();
             self.key_from_scanned = Pose2::identity();
+            self.key_lean = lean(mount);
         }
     }
 
@@ -285,6 +300,31 @@ fn leveling_covariance(scan: &LaserScan, base_from_sensor: &Pose3, std_rad: f64)
     let reach_m = if n > 0.0 { sum_m / n } else { 0.0 };
     let place_m = (reach_m * sine).hypot(base_from_sensor.translation.z) * std_rad;
     Matrix3::from_diagonal(&Vector3::new(place_m, place_m, sine * std_rad).map(|std| std * std))
+}
+
+/// Where the scanner's own vertical points in the level frame.
+fn lean(base_from_sensor: &Pose3) -> Vector2<f64> {
+    (base_from_sensor.rotation * Vector3::z()).xy()
+}
+
+/// Less of a lean does not move what is seen of a slope, radians.
+const LEANS_RAD: f64 = 0.01;
+/// What does not fit what the filter expects by so many standard deviations is no wall.
+const SLOPE_DEVIATIONS: f64 = 3.0;
+/// How far a scan tells the way along a slope, meters.
+const UNKNOWN_M: f64 = 1.0;
+
+/// A scanner that leans more than it did for the key scan sees walls in the same place, and slopes elsewhere: the foot of a ramp
+/// that the robot begins to climb runs away from it. Where the scan does not fit along the direction in which it leans, it
+/// shows such a slope.
+fn is_a_slope(step: &PlanarPose, prior: &PlanarPose, leaned: &Vector2<f64>) -> bool {
+    if leaned.norm() < LEANS_RAD {
+        return false;
+    }
+    let along = leaned.normalize();
+    let off_m = along.dot(&(step.pose.translation.vector - prior.pose.translation.vector));
+    let both = (step.covariance + prior.covariance).fixed_view::<2, 2>(0, 0).into_owned();
+    off_m.powi(2) > SLOPE_DEVIATIONS.powi(2) * along.dot(&(both * along))
 }
 
 /// The step from where the filter was for the last scan to where this one was made, in the axes of the former: what the

@@ -44,8 +44,7 @@ impl GraphSlam {
                     self.tracker.odometry.push(observation.stamp, odometry.odom_from_base);
                 }
                 Data::Imu(imu) if imu.check().is_ok() && is_finite3(&observation.base_from_sensor) => {
-                    let rates = nalgebra::Vector3::from(imu.rates_rad_s);
-                    let rate_rad_s = (observation.base_from_sensor.rotation * rates).z;
+                    let rate_rad_s = crate::turning::yaw_rate_rad_s(imu, &observation.base_from_sensor);
                     self.tracker.gyro.take(observation.stamp, rate_rad_s);
                 }
                 Data::Odometry(_) | Data::Imu(_) => self.refused += 1,

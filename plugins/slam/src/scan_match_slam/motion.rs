@@ -1,5 +1,6 @@
 //! How the robot moved since a scan, before the next one is looked at.
 
+use crate::turning::yaw_rate_rad_s;
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Twist, is_finite2, pose2, wrap_angle};
 use rumbo_core::messages::{Data, Odometry, Seen};
@@ -144,12 +145,11 @@ impl Motion {
                     self.read_odometer(observation.stamp, odometry);
                 }
                 Data::Imu(imu) => {
-                    let rates = Vector3::from(imu.rates_rad_s);
-                    let about_up = (observation.base_from_sensor.rotation * rates).z;
+                    let rate_rad_s = yaw_rate_rad_s(imu, &observation.base_from_sensor);
                     let is_newer =
                         self.rates_rad_s.back().is_none_or(|(stamp, _)| *stamp < observation.stamp);
-                    if is_newer && about_up.is_finite() {
-                        self.rates_rad_s.push_back((observation.stamp, about_up));
+                    if is_newer && rate_rad_s.is_finite() {
+                        self.rates_rad_s.push_back((observation.stamp, rate_rad_s));
                     }
                     if self.rates_rad_s.len() > MOST_RATES {
                         self.rates_rad_s.pop_front();
