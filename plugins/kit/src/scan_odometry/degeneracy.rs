@@ -33,6 +33,8 @@ pub struct Split {
     directions: Matrix3<f64>,
     values: Vector3<f64>,
     observed: [bool; 3],
+    /// The part of each eigenvalue that wrong directions of lines do not pretend; 0 where nothing is observed.
+    honest: [f64; 3],
 }
 
 impl Split {
@@ -49,16 +51,19 @@ impl Split {
         let SymmetricEigen { eigenvectors: directions, eigenvalues: values } = SymmetricEigen::new(scaled);
         let pretended = scale * equations.pretended * scale;
         let largest = values.max();
-        let mut observed = [false; 3];
-        for (k, is_observed) in observed.iter_mut().enumerate() {
+        let (mut observed, mut honest) = ([false; 3], [0.0; 3]);
+        for (k, (is_observed, honest)) in observed.iter_mut().zip(&mut honest).enumerate() {
             let (value, direction) = (values[k], directions.column(k));
             let noise = direction.dot(&(pretended * direction));
             *is_observed = value > 0.0
                 && value >= rule.ratio * largest
                 && value >= rule.floor * n
                 && (rule.pretended_share >= 1.0 || noise <= rule.pretended_share * value);
+            if *is_observed {
+                *honest = if rule.pretended_share >= 1.0 { value } else { value - noise };
+            }
         }
-        Some(Split { scale, directions, values, observed })
+        Some(Split { scale, directions, values, observed, honest })
     }
 
     /// Directions (x, y, yaw) with their scaled eigenvalues, and whether they are observed.
@@ -100,6 +105,15 @@ impl Split {
         let away = self.unscale() * (pose - prior);
         let unobserved = self.parts().filter(|(_, _, is_observed)| !is_observed);
         pose - self.scale * unobserved.fold(Vector3::zeros(), |sum, (v, ..)| sum + v * v.dot(&away))
+    }
+
+    /// What residuals with this variance tell of x, y, yaw: nothing along unobserved directions, and without what noise
+    /// pretends along the others.
+    pub fn information(&self, variance_m2: f64) -> Matrix3<f64> {
+        let columns = self.directions.column_iter().zip(self.honest);
+        let sum = columns.fold(Matrix3::zeros(), |sum, (v, honest)| sum + v * honest * v.transpose());
+        let information = self.unscale() * sum * self.unscale() / variance_m2;
+        (information + information.transpose()) * 0.5
     }
 
     fn unscale(&self) -> Matrix3<f64> {
