@@ -192,7 +192,7 @@ impl Registrar {
         Registration {
             key_from_base: pose2(pose.x, pose.y, pose.z),
             covariance,
-            information: split.information(variance_m2.max(LEAST_VARIANCE_M2)),
+            information: split.information(variance_m2.max(LEAST_VARIANCE_M2), &prior.covariance),
             status,
             unobserved: split.unobserved_axes(),
             ..failed(status)

@@ -39,8 +39,10 @@ impl Default for SlicePitch {
     fn default() -> Self {
         let settings = ScanOdometrySettings {
             min_points: 15,
+            // Keys last long: a body that only sways comes back to the same one, without any drift.
             key_distance_m: 0.3,
-            key_angle_rad: 0.15,
+            key_angle_rad: 0.5,
+            key_overlap: 0.5,
             range_noise_m: 0.02,
             ..ScanOdometrySettings::default()
         };

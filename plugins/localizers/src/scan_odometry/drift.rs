@@ -9,7 +9,7 @@ use super::prediction::Guess;
 use nalgebra::{Matrix3, SMatrix, UnitComplex, Vector3};
 use rumbo_core::frames::{Pose2, Twist};
 
-/// How velocities change.
+/// How velocities change, and how sure matches are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Agility {
     /// Of a speed within a second, m/s (standard deviation).
@@ -18,6 +18,8 @@ pub struct Agility {
     pub turn_rad_s: f64,
     /// What the robot can do: m/s and rad/s.
     pub fastest: [f64; 2],
+    /// What no match is surer than, meters and radians.
+    pub floor: [f64; 2],
 }
 
 type Errors = SMatrix<f64, 9, 9>;
@@ -71,7 +73,8 @@ impl Drift {
     }
 
     /// Covariance of the base's x, y, yaw in the odometer's axes.
-    pub fn covariance(&self, odom_from_key: &Pose2, key_from_base: &Pose2) -> Matrix3<f64> {
+    pub fn covariance(mut self, odom_from_key: &Pose2, key_from_base: &Pose2) -> Matrix3<f64> {
+        self.add_floor();
         let (by_key, by_base) = by_parts(odom_from_key, key_from_base);
         let mut both = SMatrix::<f64, 3, 9>::zeros();
         both.fixed_view_mut::<3, 3>(0, KEY).copy_from(&by_key);
@@ -164,6 +167,14 @@ impl Drift {
         }
     }
 
+    /// Takes a match as it is, with its covariance of x, y, yaw: where the prediction was that of wheels, which may slip by more
+    /// than they say.
+    pub fn adopt(&mut self, covariance: &Matrix3<f64>) {
+        self.covariance.fixed_rows_mut::<3>(BASE).fill(0.0);
+        self.covariance.fixed_columns_mut::<3>(BASE).fill(0.0);
+        self.covariance.fixed_view_mut::<3, 3>(BASE, BASE).copy_from(covariance);
+    }
+
     /// Takes in how the base moved where the velocity had no part in the prediction, with the covariance of that step.
     pub fn learn(&mut self, step: &Pose2, covariance: &Matrix3<f64>, seconds: f64) {
         let said = twist_of(step, seconds);
@@ -184,12 +195,18 @@ impl Drift {
         self.twist.turn_rad_s += gains[2] * beside[2];
     }
 
-    /// The base where it is now becomes the key, no surer than this of its own pose there (x, y, yaw).
-    pub fn begin_key(&mut self, odom_from_key: &Pose2, key_from_base: &Pose2, deviations: &Vector3<f64>) {
-        let (by_key, by_base) = by_parts(odom_from_key, key_from_base);
-        for axis in 0..3 {
-            self.covariance[(BASE + axis, BASE + axis)] += deviations[axis].powi(2);
+    /// No match is surer than the agility's floor of where the base is in the key scan's frame.
+    fn add_floor(&mut self) {
+        let [least_m, least_rad] = self.agility.floor;
+        for (axis, least) in [least_m, least_m, least_rad].into_iter().enumerate() {
+            self.covariance[(BASE + axis, BASE + axis)] += least * least;
         }
+    }
+
+    /// The base where it is now becomes the key.
+    pub fn begin_key(&mut self, odom_from_key: &Pose2, key_from_base: &Pose2) {
+        let (by_key, by_base) = by_parts(odom_from_key, key_from_base);
+        self.add_floor();
         let mut change = Errors::identity();
         change.fixed_view_mut::<3, 3>(KEY, KEY).copy_from(&by_key);
         change.fixed_view_mut::<3, 3>(KEY, BASE).copy_from(&by_base);

@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize};
 /// it follows the robot from a known start without a map.
 ///
 /// The match begins where a gyro and the velocity so far say that the robot is. Along a corridor, where walls do not show
-/// the way, that is what counts, and the covariance says so. Scans that say nothing or fit nothing leave it, too. Wheels are
+/// the way, that is what counts: the velocity that something last showed, or standing, where nothing ever did. The covariance
+/// says how far that may be off by now. Scans that say nothing or fit nothing leave it, too. Wheels are
 /// not looked at unless `prediction` is `"wheels"` or `"either"`. Of several scanners it takes the first that speaks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -172,8 +173,9 @@ impl Default for ScanOdometryParams {
 impl ScanOdometryParams {
     /// The settings for a robot.
     pub(super) fn settings(&self, robot: &Robot) -> TrackerSettings {
+        let scan = self.scan_settings();
         TrackerSettings {
-            scan: self.scan_settings(),
+            scan,
             prediction: self.prediction,
             carry_on_s: self.carry_on_s,
             gyro_rad_s: self.gyro_deviation_deg_s.to_radians(),
@@ -181,6 +183,7 @@ impl ScanOdometryParams {
                 speed_m_s: self.speed_deviation_m_s,
                 turn_rad_s: self.turn_deviation_deg_s.to_radians(),
                 fastest: [robot.max_speed_m_s, robot.max_turn_rad_s()],
+                floor: [scan.min_std_m, scan.min_std_rad],
             },
             has_slice: self.vertical_slice,
             lost_after_scans: self.lost_after_scans,

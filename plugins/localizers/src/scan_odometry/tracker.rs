@@ -187,7 +187,10 @@ impl Tracker {
         let (mut drift, prior, is_by_velocity) = other.filter(|_| is_other).unwrap_or(first);
         let mut key_from_base = prior.key_from_base;
         let mut odom_from_key = self.odometer.odom_from_key();
-        if matched.status.is_good() {
+        if matched.status.is_good() && !is_by_velocity {
+            key_from_base = matched.key_from_base;
+            drift.adopt(&matched.covariance);
+        } else if matched.status.is_good() {
             let mut beside = numbers(&matched.key_from_base) - numbers(&prior.key_from_base);
             beside.z = wrap_angle(beside.z);
             let correction = drift.take(&beside, &matched.information);
@@ -202,9 +205,7 @@ impl Tracker {
             self.drift.learn(&taken.last_from_base, &prior.covariance, seconds);
         }
         if taken.is_key {
-            let ScanOdometrySettings { min_std_m, min_std_rad, .. } = self.settings.scan;
-            let deviations = Vector3::new(min_std_m, min_std_m, min_std_rad);
-            self.drift.begin_key(&odom_from_key, &key_from_base, &deviations);
+            self.drift.begin_key(&odom_from_key, &key_from_base);
         }
         taken
     }
