@@ -35,6 +35,8 @@ pub struct ScanOdometer {
     covariance: Matrix3<f64>,
     /// Matches that failed in a row.
     n_failed: u32,
+    /// Places to begin from, with how many points are near there.
+    far: Vec<(usize, Vector3<f64>)>,
 }
 
 /// So many failures in a row, and the scan begins anew as the key: what the old one shows is not here any more.
@@ -57,6 +59,7 @@ impl ScanOdometer {
             key_from_base: Pose2::identity(),
             covariance: Matrix3::zeros(),
             n_failed: 0,
+            far: Vec::new(),
         }
     }
 
@@ -176,31 +179,33 @@ impl ScanOdometer {
     /// The match from the prior; where that fails, the one from where the base was or from other directions that most points
     /// support.
     fn best(&mut self, prior: &PosePrior) -> Registration {
-        let Self { registrar, key, points, settings, key_from_base, .. } = self;
+        let Self { registrar, key, points, settings, key_from_base, far, .. } = self;
         let first = registrar.register(key, points, prior, settings);
         let is_fine = first.status.is_good() && first.support >= settings.retry_support;
         let is_hopeless = key.len() < settings.min_points || points.len() < settings.min_points;
-        if is_fine || is_hopeless {
+        if is_fine || is_hopeless || settings.n_retries == 0 {
             return first;
         }
         let (mut best, start) = (first, numbers(&prior.key_from_base));
-        let mut attempt = |start: Vector3<f64>, near: &Pose2, least: f64| {
-            let again = registrar.register_from(key, points, (start, near), prior, settings);
-            let gain = if best.status.is_good() { LEAST_GAIN } else { 0.0 };
-            if again.support >= least && again.is_better_than(&best, gain) {
-                best = again;
-            }
-            best.status.is_good()
-        };
         for turn_rad in both_sides(settings.n_retries, settings.retry_step_rad) {
-            attempt(start + Vector3::z() * turn_rad, &prior.key_from_base, 0.0);
+            let turned = start + Vector3::z() * turn_rad;
+            let again = registrar.register_from(key, points, (turned, &prior.key_from_base), prior, settings);
+            best.give_way_to(again);
         }
         // What was predicted may be all wrong: the base may have stopped, been turned, or a stamp was late.
         let last = numbers(key_from_base);
-        if !attempt(last, key_from_base, LEAST_FAR_SUPPORT) {
-            for turn_rad in both_sides(FAR_RETRIES * settings.n_retries, settings.retry_step_rad) {
-                let turned = last + Vector3::z() * turn_rad;
-                attempt(turned, &pose2(turned.x, turned.y, turned.z), LEAST_FAR_SUPPORT);
+        far.clear();
+        if !best.status.is_good() {
+            let turns = both_sides(FAR_RETRIES * settings.n_retries, settings.retry_step_rad);
+            let places = turns.map(|turn_rad| last + Vector3::z() * turn_rad);
+            far.extend(places.map(|place| (registrar.n_near(key, points, &place, settings), place)));
+            far.sort_unstable_by_key(|(n_near, _)| std::cmp::Reverse(*n_near));
+        }
+        for place in [last].into_iter().chain(far.iter().take(MOST_FAR).map(|(_, place)| *place)) {
+            let near = pose2(place.x, place.y, place.z);
+            let again = registrar.register_from(key, points, (place, &near), prior, settings);
+            if again.support >= LEAST_FAR_SUPPORT {
+                best.give_way_to(again);
             }
         }
         best
@@ -215,6 +220,9 @@ fn both_sides(n: usize, step_rad: f64) -> impl Iterator<Item = f64> {
 /// Where nothing is found near the prediction, so many times as many directions are tried from where the base was.
 const FAR_RETRIES: usize = 3;
 
+/// So many of them, those that have most points near, are followed to their ends.
+const MOST_FAR: usize = 4;
+
 /// What is found there must be supported by so many of the points.
 const LEAST_FAR_SUPPORT: f64 = 0.4;
 
@@ -225,6 +233,13 @@ const LEAST_GAIN: f64 = 0.1;
 const LEAST_GAIN_OF_OTHER: f64 = 0.02;
 
 impl Registration {
+    fn give_way_to(&mut self, other: Registration) {
+        let least_gain = if self.status.is_good() { LEAST_GAIN } else { 0.0 };
+        if other.is_better_than(self, least_gain) {
+            *self = other;
+        }
+    }
+
     fn is_better_than(&self, other: &Registration, least_gain: f64) -> bool {
         self.status.is_good() && (!other.status.is_good() || self.support > other.support + least_gain)
     }

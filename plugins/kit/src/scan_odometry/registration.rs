@@ -75,6 +75,9 @@ const KEY_AND_SCAN: f64 = 2.0;
 /// Residuals without any noise tell no more than those of a tenth of a millimeter, m².
 const LEAST_VARIANCE_M2: f64 = 1e-8;
 
+/// Share of the largest distance of matches that is near for a first look.
+const NEAR_SHARE: f64 = 0.5;
+
 /// Steps with one distance before it is halved.
 const STEPS_A_DISTANCE: usize = 3;
 
@@ -125,6 +128,18 @@ impl Registrar {
             }
         }
         self.judge(key, points, (pose, near), prior, settings, n_iterations)
+    }
+
+    /// How many points have a match from this pose (x, y, yaw).
+    pub fn n_near(
+        &mut self,
+        key: &KeyScan,
+        points: &ScanPoints,
+        pose: &Vector3<f64>,
+        settings: &ScanOdometrySettings,
+    ) -> usize {
+        self.matches.find(key, points, pose, NEAR_SHARE * settings.max_match_m);
+        self.matches.len()
     }
 
     /// One step of Gauss and Newton; none where too few points match.

@@ -1,5 +1,6 @@
 //! Odometry by scans in a room and a corridor whose walls are known, and with everything that a bad sensor may say.
 
+mod bad_input;
 mod corridor;
 mod drift;
 
