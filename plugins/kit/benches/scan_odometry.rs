@@ -13,9 +13,9 @@ fn main() {
 /// Boxes from corner to corner, meters; the first is the hall.
 const BOXES: [[f64; 4]; 5] = [
     [-8.0, -6.0, 12.0, 7.0],
-    [1.0, 1.5, 2.2, 2.6],
+    [-0.8, 1.5, 0.4, 2.6],
     [4.0, -3.0, 5.0, -2.1],
-    [-3.0, 2.0, -2.0, 4.0],
+    [-4.5, 2.0, -3.5, 4.0],
     [7.0, 0.5, 8.5, 1.4],
 ];
 
@@ -73,5 +73,23 @@ fn scan_of_a_drive(bencher: divan::Bencher, n_beams: usize) {
             odometer.take(scan, &Pose3::identity(), &step, &(Matrix3::identity() * 1e-3));
         }
         odometer.odom_from_base()
+    });
+}
+
+/// The dearest case: what is seen is another place, so that everything is tried, in vain.
+#[divan::bench]
+fn scan_that_fits_nothing(bencher: divan::Bencher) {
+    let here = scans(541).into_iter().next().unwrap_or_default();
+    let mut elsewhere = here.clone();
+    for (k, range_m) in elsewhere.ranges_m.make_mut().iter_mut().enumerate() {
+        *range_m = 3.0 + ((k * 7919) % 541) as f32 / 100.0;
+    }
+    let settings = ScanOdometrySettings::default();
+    let mut odometer = ScanOdometer::new(settings, Pose2::identity(), Matrix3::zeros());
+    let no_step = (Pose2::identity(), Matrix3::identity() * 1e-3);
+    odometer.take(&here, &Pose3::identity(), &no_step.0, &no_step.1);
+    bencher.bench_local(|| {
+        let mut odometer = odometer.clone();
+        odometer.take(&elsewhere, &Pose3::identity(), &no_step.0, &no_step.1)
     });
 }

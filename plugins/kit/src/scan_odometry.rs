@@ -21,6 +21,7 @@ mod odometer;
 mod points;
 mod registration;
 mod settings;
+mod slice;
 
 pub use alignment::align;
 pub use degeneracy::{DegeneracyRule, Split};
@@ -30,6 +31,7 @@ pub use odometer::{ScanOdometer, ScanStep};
 pub use points::ScanPoints;
 pub use registration::{MatchStatus, PosePrior, Registrar, Registration};
 pub use settings::{LineKind, ScanOdometrySettings};
+pub use slice::SlicePitch;
 
 #[cfg(test)]
 mod tests;

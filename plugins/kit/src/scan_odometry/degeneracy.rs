@@ -26,6 +26,9 @@ impl Default for DegeneracyRule {
     }
 }
 
+/// So many neighbors share about the same line, and its error.
+const SHARED_BY: f64 = 10.0;
+
 /// The directions of a pose, and which of them are observed.
 #[derive(Debug, Clone, Copy)]
 pub struct Split {
@@ -33,6 +36,9 @@ pub struct Split {
     directions: Matrix3<f64>,
     values: Vector3<f64>,
     observed: [bool; 3],
+    /// The part of each eigenvalue that wrong directions of lines pretend.
+    pretended: [f64; 3],
+    n: f64,
 }
 
 impl Split {
@@ -49,16 +55,17 @@ impl Split {
         let SymmetricEigen { eigenvectors: directions, eigenvalues: values } = SymmetricEigen::new(scaled);
         let pretended = scale * equations.pretended * scale;
         let largest = values.max();
-        let mut observed = [false; 3];
-        for (k, is_observed) in observed.iter_mut().enumerate() {
+        let (mut observed, mut noises) = ([false; 3], [0.0; 3]);
+        for (k, (is_observed, told)) in observed.iter_mut().zip(&mut noises).enumerate() {
             let (value, direction) = (values[k], directions.column(k));
             let noise = direction.dot(&(pretended * direction));
             *is_observed = value > 0.0
                 && value >= rule.ratio * largest
                 && value >= rule.floor * n
                 && (rule.pretended_share >= 1.0 || noise <= rule.pretended_share * value);
+            *told = if rule.pretended_share >= 1.0 { 0.0 } else { noise };
         }
-        Some(Split { scale, directions, values, observed })
+        Some(Split { scale, directions, values, observed, pretended: noises, n })
     }
 
     /// Directions (x, y, yaw) with their scaled eigenvalues, and whether they are observed.
@@ -100,6 +107,25 @@ impl Split {
         let away = self.unscale() * (pose - prior);
         let unobserved = self.parts().filter(|(_, _, is_observed)| !is_observed);
         pose - self.scale * unobserved.fold(Vector3::zeros(), |sum, (v, ..)| sum + v * v.dot(&away))
+    }
+
+    /// What residuals with this variance tell of x, y, yaw: nothing along unobserved directions, and without what noise
+    /// pretends along the others. Where the unobserved direction lies is known by the noisy lines only: by what it may be
+    /// tilted, the others are as unsure as the prior is along it.
+    pub fn information(&self, variance_m2: f64, prior: &Matrix3<f64>) -> Matrix3<f64> {
+        let scaled_prior = self.unscale() * prior * self.unscale();
+        let along = |(v, pretended): (Vector3<f64>, f64)| pretended * v.dot(&(scaled_prior * v)).max(0.0);
+        let unobserved = self.parts().zip(self.pretended).filter(|((_, _, is_observed), _)| !is_observed);
+        let tilts = SHARED_BY * unobserved.map(|((v, ..), noise)| along((v, noise))).sum::<f64>() / self.n;
+        let mut sum = Matrix3::zeros();
+        for ((v, value, _), pretended) in
+            self.parts().zip(self.pretended).filter(|((_, _, is_observed), _)| *is_observed)
+        {
+            let honest = value - pretended;
+            sum += v * v.transpose() / (variance_m2 / honest + tilts / value);
+        }
+        let information = self.unscale() * sum * self.unscale();
+        (information + information.transpose()) * 0.5
     }
 
     fn unscale(&self) -> Matrix3<f64> {

@@ -18,6 +18,9 @@ struct Match {
 /// Standard deviation of a normal distribution over the median of its absolute values.
 const NORMAL_OVER_MEDIAN: f64 = 1.4826;
 
+/// The kernel's width as a share of the distance of matches.
+const KERNEL_SHARE: f64 = 0.3;
+
 /// Matched points. Kept between scans.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Matches {
@@ -56,13 +59,18 @@ impl Matches {
         *self.sizes_m.select_nth_unstable_by(last, f64::total_cmp).1
     }
 
-    /// The normal equations of all that are not trimmed, with Huber's weights.
-    pub fn equations(&mut self, settings: &ScanOdometrySettings) -> Equations {
-        let most_m = self.most_m(settings.trim);
+    /// The normal equations of matches up to this distance, with Huber's weights.
+    ///
+    /// While the distance is still wide, what is far off is what shows the way: a pillar beside a corridor is a few points that
+    /// all are off, and would be trimmed. The kernel is as wide then, and nothing is left out.
+    pub fn equations(&mut self, settings: &ScanOdometrySettings, within_m: f64) -> Equations {
+        let is_wide = within_m > settings.least_match_m;
+        let most_m = self.most_m(if is_wide { 0.0 } else { settings.trim });
+        let huber_m = if is_wide { settings.huber_m.max(KERNEL_SHARE * within_m) } else { settings.huber_m };
         let mut equations = Equations::default();
         for one in self.matches.iter().filter(|one| one.residual_m.abs() <= most_m) {
             let size_m = one.residual_m.abs();
-            let weight = if size_m <= settings.huber_m { 1.0 } else { settings.huber_m / size_m };
+            let weight = if size_m <= huber_m { 1.0 } else { huber_m / size_m };
             equations.add(&one.line, one.arm, one.residual_m, weight);
         }
         equations

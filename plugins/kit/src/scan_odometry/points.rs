@@ -22,21 +22,39 @@ pub struct ScanPoints {
 impl ScanPoints {
     /// Places the hits of a scan; a tilted scanner's are projected to the floor.
     pub fn place(&mut self, scan: &LaserScan, base_from_sensor: &Pose3) {
+        self.place_above(scan, base_from_sensor, f64::NEG_INFINITY);
+    }
+
+    /// The same without what is lower than this, meters: a scanner that looks down sees the floor.
+    pub fn place_above(&mut self, scan: &LaserScan, base_from_sensor: &Pose3, lowest_m: f64) {
         self.point(scan);
-        self.x.clear();
-        self.y.clear();
         let [ahead, left] =
             [Vector3::x(), Vector3::y()].map(|axis: Vector3<f64>| base_from_sensor.rotation * axis);
         let at = base_from_sensor.translation.vector;
-        self.origin = [at.x, at.y];
-        let directions = self.cosines.iter().zip(&self.sines);
-        for (&range_m, (cosine, sine)) in scan.ranges_m.iter().zip(directions) {
+        self.clear([at.x, at.y]);
+        for (idx, &range_m) in scan.ranges_m.iter().enumerate() {
+            let (Some(cosine), Some(sine)) = (self.cosines.get(idx), self.sines.get(idx)) else { break };
             if range_m >= scan.min_range_m && range_m <= scan.max_range_m {
                 let (along, across) = (f64::from(range_m) * cosine, f64::from(range_m) * sine);
-                self.x.push(at.x + along * ahead.x + across * left.x);
-                self.y.push(at.y + along * ahead.y + across * left.y);
+                let place = at + ahead * along + left * across;
+                if place.z >= lowest_m {
+                    self.push([place.x, place.y]);
+                }
             }
         }
+    }
+
+    /// No points, of beams from this place.
+    pub fn clear(&mut self, origin: [f64; 2]) {
+        self.x.clear();
+        self.y.clear();
+        self.origin = origin;
+    }
+
+    /// One more.
+    pub fn push(&mut self, [x, y]: [f64; 2]) {
+        self.x.push(x);
+        self.y.push(y);
     }
 
     /// How many there are.

@@ -46,6 +46,9 @@ pub struct Registration {
     pub key_from_base: Pose2,
     /// Covariance of its x, y, yaw.
     pub covariance: Matrix3<f64>,
+    /// What the scan alone says of them, in the key scan's axes: the inverse of a covariance, and zero along directions that
+    /// are not observed.
+    pub information: Matrix3<f64>,
     /// What became of the match.
     pub status: MatchStatus,
     /// Share of the points that are matched at the largest distance.
@@ -69,6 +72,12 @@ pub struct Registrar {
 /// The residuals show the noise of the scan; that of the key scan, which is as large, hides in lines that neighbors share.
 const KEY_AND_SCAN: f64 = 2.0;
 
+/// Residuals without any noise tell no more than those of a tenth of a millimeter, m².
+const LEAST_VARIANCE_M2: f64 = 1e-8;
+
+/// Share of the largest distance of matches that is near for a first look.
+const NEAR_SHARE: f64 = 0.5;
+
 /// Steps with one distance before it is halved.
 const STEPS_A_DISTANCE: usize = 3;
 
@@ -85,15 +94,16 @@ impl Registrar {
         settings: &ScanOdometrySettings,
     ) -> Registration {
         let start = numbers(&prior.key_from_base);
-        self.register_from(key, points, start, prior, settings)
+        self.register_from(key, points, (start, &prior.key_from_base), prior, settings)
     }
 
-    /// The same, beginning elsewhere; the prior stands where the scan says nothing.
+    /// The same, beginning elsewhere (x, y, yaw), and taken to be a match near this pose only; the prior stands where the scan
+    /// says nothing.
     pub fn register_from(
         &mut self,
         key: &KeyScan,
         points: &ScanPoints,
-        start: Vector3<f64>,
+        (start, near): (Vector3<f64>, &Pose2),
         prior: &PosePrior,
         settings: &ScanOdometrySettings,
     ) -> Registration {
@@ -101,7 +111,7 @@ impl Registrar {
         let mut n_with_distance = 0;
         while n_iterations < settings.max_iterations {
             self.matches.find(key, points, &pose, within_m);
-            let Some(step) = self.step(settings) else { break };
+            let Some(step) = self.step(settings, within_m) else { break };
             pose += step;
             n_iterations += 1;
             n_with_distance += 1;
@@ -117,15 +127,27 @@ impl Registrar {
                 n_with_distance = 0;
             }
         }
-        self.judge(key, points, pose, prior, settings, n_iterations)
+        self.judge(key, points, (pose, near), prior, settings, n_iterations)
+    }
+
+    /// How many points have a match from this pose (x, y, yaw).
+    pub fn n_near(
+        &mut self,
+        key: &KeyScan,
+        points: &ScanPoints,
+        pose: &Vector3<f64>,
+        settings: &ScanOdometrySettings,
+    ) -> usize {
+        self.matches.find(key, points, pose, NEAR_SHARE * settings.max_match_m);
+        self.matches.len()
     }
 
     /// One step of Gauss and Newton; none where too few points match.
-    fn step(&mut self, settings: &ScanOdometrySettings) -> Option<Vector3<f64>> {
+    fn step(&mut self, settings: &ScanOdometrySettings, within_m: f64) -> Option<Vector3<f64>> {
         if self.matches.len() < settings.min_points {
             return None;
         }
-        let equations = self.matches.equations(settings);
+        let equations = self.matches.equations(settings, within_m);
         let step = Split::new(&equations, &settings.degeneracy)?.step(&equations.gradient);
         let share = (LONGEST_STEP[0] / step.xy().norm()).min(LONGEST_STEP[1] / step.z.abs()).min(1.0);
         Some(step * share)
@@ -135,7 +157,7 @@ impl Registrar {
         &mut self,
         key: &KeyScan,
         points: &ScanPoints,
-        pose: Vector3<f64>,
+        (pose, near): (Vector3<f64>, &Pose2),
         prior: &PosePrior,
         settings: &ScanOdometrySettings,
         n_iterations: usize,
@@ -149,6 +171,7 @@ impl Registrar {
         let failed = |status| Registration {
             key_from_base: prior.key_from_base,
             covariance: prior.covariance,
+            information: Matrix3::zeros(),
             status,
             overlap,
             support,
@@ -162,13 +185,13 @@ impl Registrar {
         if overlap < settings.min_overlap {
             return failed(MatchStatus::LowOverlap);
         }
-        let away = prior.key_from_base.inverse() * pose2(pose.x, pose.y, pose.z);
+        let away = near.inverse() * pose2(pose.x, pose.y, pose.z);
         let is_far = away.translation.vector.norm() > settings.max_correction_m
             || away.rotation.angle().abs() > settings.max_correction_rad;
         if is_far || rms_m > settings.max_rms_m || self.matches.len() < settings.min_points {
             return failed(MatchStatus::Diverged);
         }
-        let equations = self.matches.equations(settings);
+        let equations = self.matches.equations(settings, settings.least_match_m);
         let Some(split) = Split::new(&equations, &settings.degeneracy).filter(Split::observes_any) else {
             return failed(MatchStatus::LowOverlap);
         };
@@ -184,6 +207,7 @@ impl Registrar {
         Registration {
             key_from_base: pose2(pose.x, pose.y, pose.z),
             covariance,
+            information: split.information(variance_m2.max(LEAST_VARIANCE_M2), &prior.covariance),
             status,
             unobserved: split.unobserved_axes(),
             ..failed(status)

@@ -4,6 +4,7 @@ mod corridors;
 mod directions;
 mod nearest;
 mod rooms;
+mod slices;
 mod vectors;
 
 use super::*;

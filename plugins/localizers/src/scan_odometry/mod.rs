@@ -2,6 +2,7 @@
 //!
 //! The registration is `rumbo_kit::scan_odometry`; here is what it begins from, and what its outcome means for the robot.
 
+mod drift;
 mod params;
 mod plugin;
 mod prediction;
@@ -10,6 +11,7 @@ mod tracker;
 #[cfg(test)]
 mod tests;
 
+pub use drift::{Agility, Correction, Drift};
 pub use params::{Prediction, ScanLines, ScanOdometryParams};
-pub use prediction::{Motion, MotionNoise};
+pub use prediction::{Guess, Motion};
 pub use tracker::{Counts, Tracker, TrackerSettings};

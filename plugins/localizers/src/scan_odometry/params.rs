@@ -1,6 +1,6 @@
 //! Parameters of odometry by scans.
 
-use super::prediction::MotionNoise;
+use super::drift::Agility;
 use super::tracker::TrackerSettings;
 use crate::number_faults::number_faults;
 use rumbo_core::registry::Params;
@@ -15,7 +15,8 @@ use serde::{Deserialize, Serialize};
 /// it follows the robot from a known start without a map.
 ///
 /// The match begins where a gyro and the velocity so far say that the robot is. Along a corridor, where walls do not show
-/// the way, that is what counts, and the covariance says so. Scans that say nothing or fit nothing leave it, too. Wheels are
+/// the way, that is what counts: the velocity that something last showed, or standing, where nothing ever did. The covariance
+/// says how far that may be off by now. Scans that say nothing or fit nothing leave it, too. Wheels are
 /// not looked at unless `prediction` is `"wheels"` or `"either"`. Of several scanners it takes the first that speaks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
@@ -27,9 +28,9 @@ pub struct ScanOdometryParams {
     pub prediction: Prediction,
     /// A velocity is carried on for at most so long after the last good match, seconds; then the robot is taken to stand.
     pub carry_on_s: f64,
-    /// How far a predicted speed may be off, m/s (standard deviation).
+    /// How much the speed changes within a second, m/s (standard deviation).
     pub speed_deviation_m_s: f64,
-    /// How far a predicted turn may be off without a gyro, degrees a second (standard deviation).
+    /// How much the turning rate changes within a second, degrees a second (standard deviation).
     pub turn_deviation_deg_s: f64,
     /// How far a gyro may be off, degrees a second (standard deviation).
     pub gyro_deviation_deg_s: f64,
@@ -83,6 +84,11 @@ pub struct ScanOdometryParams {
     pub retry_step_deg: f64,
     /// So many to each side; 0 tries once.
     pub retries: usize,
+    /// For a body that pitches and has no inertial measurement unit: the middle columns of a depth camera's pictures are a
+    /// second scan, in an upright plane, that tells the pitch, so that a change of range by inclination is not taken for
+    /// travel. Scans are placed by it; what they see of the floor is left out. They must lie in one plane of the body: those
+    /// of a laser, or of a camera's middle rows (`slice_rows` of `kinect`, `rows` of `depth_to_scan`).
+    pub vertical_slice: bool,
     /// After so many failed matches in a row the robot counts as lost.
     pub lost_after_scans: u32,
 }
@@ -158,6 +164,7 @@ impl Default for ScanOdometryParams {
             retry_support: scan.retry_support,
             retry_step_deg: 5.73,
             retries: scan.n_retries,
+            vertical_slice: false,
             lost_after_scans: 10,
         }
     }
@@ -166,16 +173,19 @@ impl Default for ScanOdometryParams {
 impl ScanOdometryParams {
     /// The settings for a robot.
     pub(super) fn settings(&self, robot: &Robot) -> TrackerSettings {
+        let scan = self.scan_settings();
         TrackerSettings {
-            scan: self.scan_settings(),
+            scan,
             prediction: self.prediction,
-            noise: MotionNoise {
-                carry_on_s: self.carry_on_s,
+            carry_on_s: self.carry_on_s,
+            gyro_rad_s: self.gyro_deviation_deg_s.to_radians(),
+            agility: Agility {
                 speed_m_s: self.speed_deviation_m_s,
                 turn_rad_s: self.turn_deviation_deg_s.to_radians(),
-                gyro_rad_s: self.gyro_deviation_deg_s.to_radians(),
                 fastest: [robot.max_speed_m_s, robot.max_turn_rad_s()],
+                floor: [scan.min_std_m, scan.min_std_rad],
             },
+            has_slice: self.vertical_slice,
             lost_after_scans: self.lost_after_scans,
         }
     }

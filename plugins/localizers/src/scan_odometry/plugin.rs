@@ -41,9 +41,11 @@ fn show(tracker: &Tracker, cx: &Cx<'_>) {
     cx.trace.count("key_scans", counts.n_keys as f64);
     cx.trace.count("scans_late", counts.n_late as f64);
     cx.trace.count("scans_of_other_scanners", counts.n_other as f64);
+    cx.trace.count("pictures_that_tell_the_pitch", counts.n_pitched as f64);
     cx.trace.count("readings_refused", counts.n_refused as f64);
     if let Some(step) = tracker.last_step() {
         cx.trace.count("overlap", step.matched.overlap);
+        cx.trace.count("support", step.matched.support);
         cx.trace.count("rms_mm", 1000.0 * step.matched.rms_m);
     }
 }
@@ -60,6 +62,9 @@ impl Plugin<dyn Localizer> for ScanOdometryParams {
             }
             Prediction::Gyro => uses.push(ObservationKind::Imu),
             Prediction::ConstantVelocity | Prediction::None => {}
+        }
+        if self.vertical_slice {
+            consumes.push(vec![ObservationKind::DepthImage]);
         }
         Manifest { consumes, uses, needs_start_pose: true, ..Manifest::default() }
     }

@@ -5,37 +5,36 @@ use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3, Twist};
 use rumbo_core::messages::{Imu, Odometry};
 use rumbo_core::odometry_track::OdometryTrack;
-use rumbo_core::time::Time;
+use rumbo_core::time::{Span, Time};
 use std::collections::VecDeque;
 
-/// How far predictions may be off.
+/// How the base probably moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MotionNoise {
-    /// A velocity is carried on for at most so long, seconds.
-    pub carry_on_s: f64,
-    /// Of a speed, m/s.
-    pub speed_m_s: f64,
-    /// Of a turn without a gyro, rad/s.
-    pub turn_rad_s: f64,
-    /// Of a gyro, rad/s.
-    pub gyro_rad_s: f64,
-    /// What the robot can do: m/s and rad/s.
-    pub fastest: [f64; 2],
+pub struct Guess {
+    /// The base after it, seen from before it.
+    pub step: Pose2,
+    /// Covariance of its x, y, yaw, beside what the velocity's own is.
+    pub covariance: Matrix3<f64>,
+    /// It is the velocity carried on.
+    pub is_by_velocity: bool,
+    /// Where a gyro told the turn: how far it may be off, rad/s.
+    pub turn_deviation_rad_s: Option<f64>,
+    /// The velocity is too old to be known.
+    pub is_anywhere: bool,
 }
 
-/// What gyro, wheels and the scans so far say of the motion.
+/// What gyro, wheels and the velocity so far say of the motion.
 #[derive(Debug)]
 pub struct Motion {
-    noise: MotionNoise,
     prediction: Prediction,
+    /// A velocity is carried on for at most so long, seconds.
+    carry_on_s: f64,
+    /// How far a gyro may be off, rad/s.
+    gyro_rad_s: f64,
     /// Turning rates about the vertical, rad/s, each up to the next.
     gyro: VecDeque<(Time, f64)>,
     wheels: OdometryTrack,
     wheel_noise: [f64; 3],
-    /// Between the last two scans that matched.
-    twist: Twist,
-    /// When the twist was true.
-    twist_stamp: Option<Time>,
 }
 
 /// Long enough for a scan that is two seconds late at 200 readings a second.
@@ -50,17 +49,22 @@ const FASTEST_TURN_RAD_S: f64 = 35.0;
 /// What wheels may be off by in any case, meters and radians.
 const WHEELS_FLOOR: [f64; 2] = [0.002, 0.002];
 
+/// What a velocity carried on may be off by in any case, meters and radians: stamps are not exact, and real wheels jerk.
+const CARRIED_FLOOR: [f64; 2] = [0.02, 0.02];
+
+/// A turn by a gyro may be off by this in any case, radians.
+const GYRO_FLOOR_RAD: f64 = 0.002;
+
 impl Motion {
     /// Before anything was heard.
-    pub fn new(prediction: Prediction, noise: MotionNoise) -> Motion {
+    pub fn new(prediction: Prediction, carry_on_s: f64, gyro_rad_s: f64) -> Motion {
         Motion {
-            noise,
             prediction,
+            carry_on_s,
+            gyro_rad_s,
             gyro: VecDeque::with_capacity(N_GYRO + 1),
             wheels: OdometryTrack::new(),
             wheel_noise: [0.0; 3],
-            twist: Twist::ZERO,
-            twist_stamp: None,
         }
     }
 
@@ -88,22 +92,6 @@ impl Motion {
         is_used
     }
 
-    /// The step between the last two scans, if they matched.
-    pub fn learn(&mut self, step: &Pose2, from: Time, to: Time) {
-        let seconds = (to - from).as_secs();
-        if seconds <= 0.0 {
-            return;
-        }
-        // A step of an arc: the way along the chord is that of the twist turned by half of it.
-        let turn_rad = step.rotation.angle();
-        let half_rad = turn_rad / 2.0;
-        let longer = if half_rad.abs() < 1e-6 { 1.0 } else { half_rad / half_rad.sin() };
-        let way = nalgebra::UnitComplex::new(-half_rad) * step.translation.vector * longer;
-        self.twist =
-            Twist { forward_m_s: way.x / seconds, left_m_s: way.y / seconds, turn_rad_s: turn_rad / seconds };
-        self.twist_stamp = Some(to);
-    }
-
     /// The newest reading from which the robot can be predicted beyond the last scan.
     pub fn newest(&self) -> Option<Time> {
         match self.prediction {
@@ -113,53 +101,58 @@ impl Motion {
         }
     }
 
-    /// The base after a time seen from the base before it, with the covariance of x, y, yaw.
-    pub fn step(&self, from: Time, to: Time) -> (Pose2, Matrix3<f64>) {
+    /// How the base moved within a time, where it had this velocity as of the last scan that matched, so long ago.
+    pub fn guess(&self, from: Time, to: Time, twist: Twist, age: Option<Span>) -> Guess {
         if self.prediction.has_wheels() && self.wheels.stamp().is_some() {
-            return self.step_of_wheels(from, to);
+            return self.guess_of_wheels(from, to);
         }
-        self.step_of_velocity(from, to)
+        self.guess_of_velocity(from, to, twist, age)
     }
 
     /// A second opinion on that, where one is asked for.
-    pub fn other_step(&self, from: Time, to: Time) -> Option<(Pose2, Matrix3<f64>)> {
+    pub fn other_guess(&self, from: Time, to: Time, twist: Twist, age: Option<Span>) -> Option<Guess> {
         let has_both = self.prediction == Prediction::Either && self.wheels.stamp().is_some();
-        has_both.then(|| self.step_of_velocity(from, to))
+        has_both.then(|| self.guess_of_velocity(from, to, twist, age))
     }
 
-    fn step_of_velocity(&self, from: Time, to: Time) -> (Pose2, Matrix3<f64>) {
+    fn guess_of_velocity(&self, from: Time, to: Time, twist: Twist, age: Option<Span>) -> Guess {
         let seconds = (to - from).as_secs().max(0.0);
-        // As of the last match; a robot that nobody has seen since then is taken to stand after a while.
-        let age_s = self.twist_stamp.map_or(f64::INFINITY, |stamp| (from - stamp).as_secs());
-        let is_known = age_s < self.noise.carry_on_s && self.prediction != Prediction::None;
-        let mut twist = if is_known { self.twist } else { Twist::ZERO };
-        let carried_s = if is_known { seconds.min(self.noise.carry_on_s - age_s.max(0.0)) } else { 0.0 };
-        let [fastest_m_s, fastest_rad_s] = self.noise.fastest;
-        let mut deviation_m = self.noise.speed_m_s * carried_s + fastest_m_s * (seconds - carried_s);
-        let mut deviation_rad = self.noise.turn_rad_s * carried_s + fastest_rad_s * (seconds - carried_s);
-        if self.twist_stamp.is_none() {
-            (deviation_m, deviation_rad) = (fastest_m_s * seconds, fastest_rad_s * seconds);
-        }
-        let step = match self.turn_of_gyro(from, to) {
-            Some(turn_rad) => {
-                deviation_rad = self.noise.gyro_rad_s * seconds;
-                // The way of the carried time on an arc of the whole turn.
-                if seconds > 0.0 {
-                    twist = Twist { turn_rad_s: turn_rad / seconds, ..twist.scaled(carried_s / seconds) };
-                }
-                twist.integrate(seconds)
-            }
-            None => twist.integrate(carried_s),
+        // A robot that nobody has seen for a while is taken to stand.
+        let age_s = age.map_or(f64::INFINITY, Span::as_secs);
+        let is_known = age_s < self.carry_on_s && self.prediction != Prediction::None;
+        let carried_s = if is_known { seconds.min(self.carry_on_s - age_s.max(0.0)) } else { 0.0 };
+        let [floor_m, floor_rad] = CARRIED_FLOOR;
+        let mut guess = Guess {
+            step: if is_known { twist.integrate(carried_s) } else { Pose2::identity() },
+            covariance: diagonal(floor_m, floor_rad),
+            is_by_velocity: true,
+            turn_deviation_rad_s: None,
+            is_anywhere: carried_s < seconds,
         };
-        (step, diagonal(deviation_m, deviation_rad))
+        if seconds > 0.0
+            && let Some(turn_rad) = self.turn_of_gyro(from, to)
+        {
+            // The way of the carried time on an arc of the whole turn.
+            let carried = if is_known { twist.scaled(carried_s / seconds) } else { Twist::ZERO };
+            guess.step = Twist { turn_rad_s: turn_rad / seconds, ..carried }.integrate(seconds);
+            guess.turn_deviation_rad_s = Some(self.gyro_rad_s);
+            guess.covariance = diagonal(floor_m, GYRO_FLOOR_RAD);
+        }
+        guess
     }
 
-    fn step_of_wheels(&self, from: Time, to: Time) -> (Pose2, Matrix3<f64>) {
+    fn guess_of_wheels(&self, from: Time, to: Time) -> Guess {
         let step = self.wheels.at(from).inverse() * self.wheels.at(to);
         let (way_m, turn_rad) = (step.translation.vector.norm(), step.rotation.angle().abs());
         let [distance, direction, turn] = self.wheel_noise;
         let deviation_rad = (direction * way_m).hypot(turn * turn_rad) + WHEELS_FLOOR[1];
-        (step, diagonal(distance * way_m + WHEELS_FLOOR[0], deviation_rad))
+        Guess {
+            step,
+            covariance: diagonal(distance * way_m + WHEELS_FLOOR[0], deviation_rad),
+            is_by_velocity: false,
+            turn_deviation_rad_s: None,
+            is_anywhere: false,
+        }
     }
 
     /// The turn by the gyro; none where it does not cover the time.

@@ -141,7 +141,7 @@ fn what_matches_badly_or_hardly_leaves_the_prior_and_says_so() {
     let start = registration::numbers(&given.key_from_base);
     let close = ScanOdometrySettings { max_correction_m: 0.01, ..settings };
     let near = placed(&seen(&room(), &at, 361, 0.01, &mut rng));
-    let matched = registrar.register_from(&key, &near, start, &given, &close);
+    let matched = registrar.register_from(&key, &near, (start, &given.key_from_base), &given, &close);
     assert_eq!(told(&matched), MatchStatus::Diverged, "it is at the key, 5 cm from the prior");
     let mut rough = full.clone();
     for (k, range) in rough.ranges_m.make_mut().iter_mut().enumerate() {
