@@ -11,10 +11,12 @@ use nalgebra::Matrix3;
 use rumbo_core::frames::Pose2;
 use rumbo_kit::pose_graph::{Constraint, GraphOptimizer, OptimizeSettings, PoseGraph, RobustKernel};
 
+/// A loop that all that is known makes less probable than one this many deviations away is a false one, squared.
+const MOST_SURPRISE: f64 = 25.0;
 /// A loop that moves two steps in a row so far against each other is a false one, meters and radians.
 const MOST_TORN: [f64; 2] = [0.5, 0.35];
 
-/// The way, bent so that the link holds; none where that would tear it.
+/// The way, bent so that the link holds; none where that is too improbable, or would tear it.
 pub fn bent(archive: &Archive, way: &[Pose2], link: &Link, earlier_from_later: &Pose2) -> Option<Vec<Pose2>> {
     let mut graph = PoseGraph::default();
     for pose in way {
@@ -37,6 +39,10 @@ pub fn bent(archive: &Archive, way: &[Pose2], link: &Link, earlier_from_later: &
     graph.add(constraint(link, *earlier_from_later)).ok()?;
     let settings = OptimizeSettings { least_decrease: 1e-4, ..OptimizeSettings::default() };
     GraphOptimizer::default().optimize(&mut graph, &settings);
+    // Nothing but the loop disagrees with the way as it was, so that what is left is how improbable the loop is.
+    if graph.cost() > MOST_SURPRISE {
+        return None;
+    }
     let bent: Vec<Pose2> = (0..way.len()).filter_map(|step| graph.pose(step)).collect();
     let is_torn = way.windows(2).zip(bent.windows(2)).any(|(before, after)| {
         let (&[a, b], &[c, d]) = (before, after) else { return false };

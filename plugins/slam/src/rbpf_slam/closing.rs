@@ -4,14 +4,18 @@
 //! where no guess is: Olson, "Real-time correlative scan matching" (2009), over as much room as the way may have drifted. A
 //! place that could be several is none.
 
+mod places;
+mod sheet;
+
 use super::archive::Archive;
 use crate::graph_slam::nearest::NearestTable;
 use crate::graph_slam::registration::{Expected, Registered, RegistrationSettings, register};
-use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint, Turn, surface_of};
+use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint};
 use nalgebra::Matrix3;
-use rumbo_core::frames::{Point2, Pose2, pose2};
-use rumbo_kit::GridSize;
-use rumbo_kit::correlative::{Apart, CorrelativeSearch, FitTable, SearchWindow, turn_step_rad};
+use places::{TRUSTED_WAY_M, along, around, places_of};
+use rumbo_core::frames::{Point2, Pose2};
+use rumbo_kit::correlative::{Apart, CorrelativeSearch, SearchWindow, turn_step_rad};
+use sheet::{CELL_M, surfaces, table_of, thinned};
 
 /// How places are recognized.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,10 +44,13 @@ pub struct Recognized {
     score: f64,
 }
 
-/// Places to which there is a shorter way than this need no search, meters.
-const TRUSTED_WAY_M: f64 = 15.0;
-/// At least so far is looked, meters, and so far to each side turned, radians.
+/// At least so far is looked, meters.
 const LEAST_REACH_M: f64 = 1.0;
+/// Where the robot believes that it is, places up to so far away are those that it must see, meters; it is looked for so
+/// near, meters and radians.
+const KNOWN_PLACES_M: f64 = 3.0;
+const KNOWN_REACH: [f64; 2] = [0.4, 0.1];
+/// So far to each side turned, radians.
 const REACH_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 /// A place elsewhere must fit less than this share of the best one, ...
 const MOST_RIVAL: f64 = 0.9;
@@ -51,18 +58,7 @@ const MOST_RIVAL: f64 = 0.9;
 const ELSEWHERE: [f64; 2] = [1.0, 0.4];
 /// Steps that what was seen lately consists of.
 const N_LATELY: usize = 12;
-/// Steps of a place lie at most this far from its middle, meters, and come at most so many before or after it.
-const PLACE_REACH_M: f64 = 4.0;
-const PLACE_STEPS: usize = 12;
-/// Places that are this far apart are looked at separately, meters, and at most so many.
-const PLACES_APART_M: f64 = 4.0;
-const MOST_PLACES: usize = 8;
-/// Edge of the cells that are laid on each other, how near a point must lie to fit, and one point is enough so far around,
-/// meters.
-const CELL_M: f64 = 0.1;
-const SIGMA_M: f64 = 0.12;
-const THINNED_TO_M: f32 = 0.15;
-const N_LEVELS: usize = 8;
+/// After so many nodes a search gives up.
 const MOST_NODES: usize = 400_000;
 /// A registration that moves a place farther than this is of another one, meters and radians.
 const MOST_REFINED: [f64; 2] = [0.4, 0.1];
@@ -86,37 +82,50 @@ impl Closing {
         let here = way.len().checked_sub(1)?;
         let ways_m = archive.ways_from(here, way);
         let reach_of = |way_m: f64| (LEAST_REACH_M + settings.drift_share * way_m).min(settings.most_reach_m);
-        let places = places(archive, way, &ways_m, &reach_of);
+        let places = places_of(archive, way, &ways_m, &|way_m| reach_of(way_m) + 1.0);
         if places.is_empty() {
             return None;
         }
         let oldest = way.len().saturating_sub(N_LATELY);
         let lately = thinned(&surfaces(archive, way, oldest..way.len(), here, &settings.limits));
-        let mut best: Option<Recognized> = None;
-        for place in places {
-            let (Some(from), Some(to)) = (way.get(place), way.get(here)) else { continue };
-            let way_m = ways_m.get(place).copied().unwrap_or(f64::INFINITY);
-            let window = SearchWindow {
-                grid_from_base: from.inverse() * to,
-                reach_m: reach_of(way_m),
-                reach_rad: REACH_RAD,
-                step_rad: 0.0,
-                least_score: best.map_or(settings.least_score, |best| best.score),
-                most_nodes: MOST_NODES,
-            };
-            best = self.look(archive, way, place, &lately, &window, settings).or(best);
+        let seen_from = |place: usize| Some(way.get(place)?.inverse() * way.get(here)?);
+        // Where the robot believes that it is, seen from any earlier visit ...
+        let mut known: Option<Recognized> = None;
+        for place in places_of(archive, way, &along(way), &|_| KNOWN_PLACES_M) {
+            let Some(place_from_here) = seen_from(place) else { continue };
+            let least_score = known.map_or(settings.least_score, |known| known.score);
+            let window = window(place_from_here, KNOWN_REACH, least_score);
+            known = self.look((archive, way), place, &lately, &window, None, settings).or(known);
         }
-        best
+        // ... it is, unless it fits clearly better elsewhere.
+        let mut best = None;
+        let mut least_score =
+            known.map_or(settings.least_score, |known| settings.least_score.max(known.score / MOST_RIVAL));
+        for place in &places {
+            if least_score >= 1.0 {
+                break;
+            }
+            let Some(place_from_here) = seen_from(*place) else { continue };
+            let way_m = ways_m.get(*place).copied().unwrap_or(f64::INFINITY);
+            let window = window(place_from_here, [reach_of(way_m), REACH_RAD], least_score);
+            if let Some(found) =
+                self.look((archive, way), *place, &lately, &window, Some(MOST_RIVAL), settings)
+            {
+                (best, least_score) = (Some(found), found.score);
+            }
+        }
+        let is_new = |known: &Recognized| ways_m.get(known.place).is_some_and(|way_m| *way_m > TRUSTED_WAY_M);
+        best.or(known.filter(is_new))
     }
 
-    /// Lays points on the surroundings of a place; the window is seen from it.
+    /// Lays points on the surroundings of a place; the window is seen from it. With a share, none may fit elsewhere by more.
     fn look(
         &mut self,
-        archive: &Archive,
-        way: &[Pose2],
+        (archive, way): (&Archive, &[Pose2]),
         place: usize,
         lately: &[SurfacePoint],
         window: &SearchWindow,
+        most_rival: Option<f64>,
         settings: &ClosingSettings,
     ) -> Option<Recognized> {
         let sheet = surfaces(archive, way, around(archive, way, place), place, &settings.limits);
@@ -129,12 +138,14 @@ impl Closing {
             ..*window
         };
         let best = self.search.best(&table, &points, &window, None).ok()??;
-        let [distance_m, turn_rad] = ELSEWHERE;
-        let apart = Apart { grid_from_base: best.grid_from_base, distance_m, turn_rad };
-        let rival = SearchWindow { least_score: MOST_RIVAL * best.score, ..window };
-        // A search that gives up has seen too many that fit about as well.
-        if self.search.best(&table, &points, &rival, Some(&apart)).ok()?.is_some() {
-            return None;
+        if let Some(share) = most_rival {
+            let [distance_m, turn_rad] = ELSEWHERE;
+            let apart = Apart { grid_from_base: best.grid_from_base, distance_m, turn_rad };
+            let rival = SearchWindow { least_score: share * best.score, ..window };
+            // A search that gives up has seen too many that fit about as well.
+            if self.search.best(&table, &points, &rival, Some(&apart)).ok()?.is_some() {
+                return None;
+            }
         }
         self.table.fill(sheet.into_iter());
         let expected = Expected {
@@ -153,95 +164,21 @@ impl Closing {
     }
 }
 
+fn window(place_from_here: Pose2, [reach_m, reach_rad]: [f64; 2], least_score: f64) -> SearchWindow {
+    SearchWindow {
+        grid_from_base: place_from_here,
+        reach_m,
+        reach_rad,
+        step_rad: 0.0,
+        least_score,
+        most_nodes: MOST_NODES,
+    }
+}
+
 fn is_believed(found: &Registered, place_from_guess: &Pose2, settings: &ClosingSettings) -> bool {
     let off = place_from_guess.inverse() * found.reference_from_scan;
     found.overlap >= settings.least_overlap
         && found.agreement >= settings.least_agreement
         && off.translation.vector.norm() < MOST_REFINED[0]
         && off.rotation.angle().abs() < MOST_REFINED[1]
-}
-
-/// Steps in the middle of places that may be here, nearest first.
-fn places(archive: &Archive, way: &[Pose2], ways_m: &[f64], reach_of: &dyn Fn(f64) -> f64) -> Vec<usize> {
-    let Some(here) = way.last() else { return Vec::new() };
-    let off_m = |pose: &Pose2| (pose.translation.vector - here.translation.vector).norm();
-    let mut near: Vec<(u64, usize)> = Vec::new();
-    for (step, ((pose, way_m), taken)) in way.iter().zip(ways_m).zip(&archive.taken).enumerate() {
-        if taken.is_drawn && *way_m > TRUSTED_WAY_M && off_m(pose) < reach_of(*way_m) + 1.0 {
-            near.push(((off_m(pose) * 1e6) as u64, step));
-        }
-    }
-    near.sort_unstable();
-    let mut middles: Vec<(usize, &Pose2)> = Vec::new();
-    for (_, step) in near {
-        let Some(pose) = way.get(step) else { continue };
-        let apart_m = |other: &Pose2| (other.translation.vector - pose.translation.vector).norm();
-        if middles.len() < MOST_PLACES && middles.iter().all(|(_, other)| apart_m(other) >= PLACES_APART_M) {
-            middles.push((step, pose));
-        }
-    }
-    middles.into_iter().map(|(step, _)| step).collect()
-}
-
-/// Steps of the same visit around a place.
-fn around<'a>(archive: &'a Archive, way: &'a [Pose2], place: usize) -> impl Iterator<Item = usize> + 'a {
-    let middle = way.get(place).map_or_else(Default::default, |pose| pose.translation.vector);
-    let end = (place + PLACE_STEPS + 1).min(archive.len());
-    (place.saturating_sub(PLACE_STEPS)..end).filter(move |step| {
-        way.get(*step).is_some_and(|pose| (pose.translation.vector - middle).norm() < PLACE_REACH_M)
-    })
-}
-
-/// The surfaces that some steps saw, seen from one of them.
-fn surfaces(
-    archive: &Archive,
-    way: &[Pose2],
-    steps: impl Iterator<Item = usize>,
-    seen_from: usize,
-    limits: &SurfaceLimits,
-) -> Vec<SurfacePoint> {
-    let Some(here) = way.get(seen_from).map(Pose2::inverse) else { return Vec::new() };
-    let mut points = Vec::new();
-    for step in steps {
-        let (Some(taken), Some(pose)) = (archive.taken.get(step), way.get(step)) else { continue };
-        if taken.is_drawn {
-            let turn = Turn::new(&(here * pose));
-            let surface = surface_of(&taken.scan, &taken.base_from_sensor, limits);
-            points.extend(surface.iter().map(|point| point.seen_from(&turn)));
-        }
-    }
-    points
-}
-
-/// One point a small square.
-fn thinned(points: &[SurfacePoint]) -> Vec<SurfacePoint> {
-    let square = |point: &SurfacePoint| point.at.map(|v| (v / THINNED_TO_M).floor() as i32);
-    let mut by_square: Vec<([i32; 2], SurfacePoint)> =
-        points.iter().map(|point| (square(point), *point)).collect();
-    by_square.sort_by_key(|(square, _)| *square);
-    by_square.dedup_by_key(|(square, _)| *square);
-    by_square.into_iter().map(|(_, point)| point).collect()
-}
-
-/// A table around the points, and where its grid lies.
-fn table_of(points: &[SurfacePoint]) -> Option<(FitTable, Pose2)> {
-    let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-    for (axis, (low, high)) in low.iter_mut().zip(&mut high).enumerate() {
-        for point in points {
-            (*low, *high) = (low.min(point.at[axis]), high.max(point.at[axis]));
-        }
-    }
-    if low[0] > high[0] {
-        return None;
-    }
-    let corner = low.map(|v| f64::from(v) - 0.5);
-    let cells = |axis: usize| ((f64::from(high[axis]) + 0.5 - corner[axis]) / CELL_M) as usize + 1;
-    let size = GridSize::new(cells(0), cells(1));
-    let mut marks = vec![0; size.n_cells()];
-    for point in points {
-        let at = [0, 1].map(|axis| ((f64::from(point.at[axis]) - corner[axis]) / CELL_M) as usize);
-        marks.iter_mut().skip(size.index(at[0], at[1])).take(1).for_each(|mark| *mark = 1);
-    }
-    let table = FitTable::around_marks(size, CELL_M, &marks, SIGMA_M, N_LEVELS);
-    Some((table, pose2(-corner[0], -corner[1], 0.0)))
 }

@@ -71,6 +71,10 @@ const HALF_AT: f64 = 2.0;
 const MOST_DOUBTS: usize = 2;
 const LEAST_DOUBT: f64 = 1.5;
 
+/// Against the odometer less of a registration is believed than it is worth, since both may be quite wrong; guesses are
+/// spread by this much more of it. Loops of some hundred meters on real logs are open by less than that still.
+const SPREAD_SHARE: f64 = 2.5;
+
 /// Factor of the covariance of what was expected, given what was found.
 fn doubt(expected: &Pose2, found: &Pose2, covariance: &Matrix3<f64>) -> f64 {
     let off = difference(expected, found);
@@ -214,7 +218,7 @@ impl Follower {
         let floor = Matrix3::from_diagonal(&Vector3::new(off_m * off_m, off_m * off_m, off_rad * off_rad));
         let both = placed.and_then(|placed| {
             let known = by_odometer.try_inverse()?;
-            (placed.information * self.settings.believed_share + known).try_inverse()
+            (placed.information * (SPREAD_SHARE * self.settings.believed_share) + known).try_inverse()
         });
         let covariance = both.map_or(by_odometer, |both| both + floor);
         Followed {

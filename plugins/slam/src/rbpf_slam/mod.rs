@@ -4,8 +4,9 @@
 //! Mapping with Rao-Blackwellized Particle Filters*, IEEE T-RO 2007): each particle matches the scan with its own map, draws
 //! its pose from what the match and the step so far say together, and is weighed by how well they agree. Differs from the
 //! source: the step is not the wheels' alone, but what registering the scan on those just before it makes of it
-//! ([`follower`]), once for all particles. Maps share what they have in common ([`rumbo_kit::tile_map`]). Read [`filter`]
-//! first, then [`tracker`], which decides when.
+//! ([`follower`]), once for all particles. Maps share what they have in common ([`rumbo_kit::tile_map`]). And a loop
+//! that no particle closes is looked for ([`closing`]); what it was open by goes back over the way ([`bending`]). Read
+//! [`filter`] first, then [`tracker`], which decides when.
 
 mod params;
 mod plugin;

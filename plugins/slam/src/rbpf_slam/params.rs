@@ -11,8 +11,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Builds an occupancy grid and finds the robot in it, with many guesses of its way that each have a map of their own: a
-/// Rao-Blackwellized particle filter. It closes loops by keeping the guess that fits where the robot has been before. Uses an
-/// odometer where there is one.
+/// Rao-Blackwellized particle filter. It closes loops by keeping the guess that fits where the robot has been before; where no
+/// guess does, the place is looked for and the way bent. Uses an odometer and an inertial unit where there are some.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RbpfSlamParams {

@@ -1,7 +1,7 @@
 //! One guess of the robot's way, and the map that belongs to it.
 
 use super::follower::Followed;
-use super::proposal::{Proposal, coordinates, difference};
+use super::proposal::{LEAST_FLOOR, Proposal, SAMPLED_FLOOR, coordinates, difference};
 use super::settings::{FilterSettings, ProposalRule};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
@@ -106,7 +106,9 @@ impl Particle {
             && status.is_match()
             && let Some(proposal) = self.propose(found, &prior, key.points, settings, rng)
         {
-            self.map_from_base = proposal.draw(rng);
+            let is_sampled = settings.proposal == ProposalRule::Sampled;
+            let floor = if is_sampled { SAMPLED_FLOOR } else { LEAST_FLOOR };
+            self.map_from_base = proposal.draw(floor, rng);
             self.add_weight(proposal.ln_weight);
             let before_from_after = before.inverse() * self.map_from_base;
             return Looked {
@@ -119,7 +121,7 @@ impl Particle {
         let status = found.map_or(MatchStatus::TooFewPoints, |(_, status)| status);
         let covariance = key.followed.covariance_in(&before);
         let guess = Proposal { mean: coordinates(&prior.map_from_base), covariance, ln_weight: 0.0 };
-        self.map_from_base = guess.draw(rng);
+        self.map_from_base = guess.draw(LEAST_FLOOR, rng);
         if let (Some(finest), false) = (self.map.finest(), status == MatchStatus::TooFewPoints || key.is_lost)
         {
             let looked = linearize(&LevelView::new(finest), key.points, &self.map_from_base);

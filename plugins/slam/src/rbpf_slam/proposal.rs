@@ -16,8 +16,10 @@ pub struct Proposal {
     pub ln_weight: f64,
 }
 
-/// Standard deviations that no proposal goes below, meters and radians.
-const FLOOR: [f64; 2] = [0.002, 0.001];
+/// Standard deviations that a Gaussian of tried poses does not go below, meters and radians: they are as coarse as that.
+pub const SAMPLED_FLOOR: [f64; 2] = [0.002, 0.001];
+/// The same of one that comes from curvatures: only so that it has a square root.
+pub const LEAST_FLOOR: [f64; 2] = [1e-4, 1e-5];
 
 /// x, y, yaw of `to` less those of `from`.
 pub fn difference(from: &Pose2, to: &Pose2) -> Vector3<f64> {
@@ -77,9 +79,9 @@ impl Proposal {
         Some(Proposal { mean: *mode, covariance: both.inverse(), ln_weight })
     }
 
-    /// Draws a pose. The covariance is made symmetric and wide enough to have a square root.
-    pub fn draw(&self, rng: &mut Rng) -> Pose2 {
-        let [way, turn] = FLOOR.map(|v| v * v);
+    /// Draws a pose. The covariance is made symmetric and by this much wider, standard deviations in meters and radians.
+    pub fn draw(&self, floor: [f64; 2], rng: &mut Rng) -> Pose2 {
+        let [way, turn] = floor.map(|v| v * v);
         let floor = Matrix3::from_diagonal(&Vector3::new(way, way, turn));
         let covariance = (self.covariance + self.covariance.transpose()) * 0.5 + floor;
         let root = covariance.cholesky().map_or(floor.map(f64::sqrt), |factor| factor.l());

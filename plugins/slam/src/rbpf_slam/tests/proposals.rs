@@ -1,7 +1,7 @@
 //! Proposals: the published numbers, and integration by brute force.
 
 use crate::rbpf_slam::motion::{MotionNoise, Step};
-use crate::rbpf_slam::proposal::{Proposal, difference};
+use crate::rbpf_slam::proposal::{Proposal, SAMPLED_FLOOR, difference};
 use crate::rbpf_slam::weights::{best, gain, normalized};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, pose2};
@@ -103,13 +103,16 @@ fn drawn_poses_have_the_mean_and_the_covariance_of_the_proposal() {
     let mut rng = stream(4, "draws");
     let center = pose2(1.0, -2.0, 3.1);
     let drawn: Vec<Vector3<f64>> =
-        (0..40_000).map(|_| difference(&center, &proposal.draw(&mut rng))).collect();
+        (0..40_000).map(|_| difference(&center, &proposal.draw(SAMPLED_FLOOR, &mut rng))).collect();
     let mean = drawn.iter().sum::<Vector3<f64>>() / drawn.len() as f64;
     let spread = drawn.iter().map(|off| off * off.transpose()).sum::<Matrix3<f64>>() / drawn.len() as f64;
     assert!(mean.amax() < 0.003, "{mean}");
     assert!((spread - covariance).amax() < 5e-4, "{spread}");
     let flat = Proposal { covariance: Matrix3::zeros(), ..proposal };
-    assert!(difference(&center, &flat.draw(&mut rng)).amax() < 0.02, "without width it is the floor's");
+    assert!(
+        difference(&center, &flat.draw(SAMPLED_FLOOR, &mut rng)).amax() < 0.02,
+        "without width it is the floor's"
+    );
 }
 
 /// A pose after a step, with noise in its turns and its way.
