@@ -99,8 +99,19 @@ struct Figures {
 
 impl Figures {
     /// Matches once to look and a few times for the clock.
-    fn run(&mut self, on: &Mapped, points: &ScanPoints, start: &Pose2, truth: &Pose2, reach_m: f64, polished: bool) {
-        let settings = MatchSettings { finest_converge_cells: if polished { 0.1 } else { 0.0 }, ..MatchSettings::quick() };
+    fn run(
+        &mut self,
+        on: &Mapped,
+        points: &ScanPoints,
+        start: &Pose2,
+        truth: &Pose2,
+        reach_m: f64,
+        polished: bool,
+    ) {
+        let settings = MatchSettings {
+            finest_converge_cells: if polished { 0.1 } else { 0.0 },
+            ..MatchSettings::quick()
+        };
         let polish = PolishSettings::default();
         let mut best_s = f64::INFINITY;
         let mut last = None;
@@ -159,9 +170,11 @@ fn main() -> Result<(), Box<dyn Error>> {
             let _ = k;
             on.insert(taken, &taken.truth)?;
         }
-        for (what, away, reach_m) in
-            [("from far off", pose2(0.08, -0.06, 0.05), f64::INFINITY), ("from far off, known", pose2(0.08, -0.06, 0.05), 0.3), ("tracking", pose2(0.01, -0.01, 0.003), 0.05)]
-        {
+        for (what, away, reach_m) in [
+            ("from far off", pose2(0.08, -0.06, 0.05), f64::INFINITY),
+            ("from far off, known", pose2(0.08, -0.06, 0.05), 0.3),
+            ("tracking", pose2(0.01, -0.01, 0.003), 0.05),
+        ] {
             let mut figures = Figures::default();
             for now in taken.iter().skip(1).step_by(4) {
                 figures.run(&on, &now.points, &(now.truth * away), &now.truth, reach_m, polished);

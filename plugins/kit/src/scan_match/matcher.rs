@@ -123,13 +123,23 @@ pub fn match_scan<L: MatchLevel>(
     search.points = points;
     // Without coarse levels the search begins where the first look was.
     let first = coarse.is_empty().then_some(start);
-    let (mut map_from_base, mut end) =
-        search.descend(finest, map_from_base, settings.finest_iterations, first, settings.finest_converge_cells);
+    let (mut map_from_base, mut end) = search.descend(
+        finest,
+        map_from_base,
+        settings.finest_iterations,
+        first,
+        settings.finest_converge_cells,
+    );
     // Coarse levels may lead a good start astray: cells that are large say less than it knew.
     let objective = |look: &Linearized, pose: &Pose2| search.objective(look, start.weight, pose);
     if !coarse.is_empty() && objective(&end, &map_from_base) > objective(&start, map_from_start) {
-        (map_from_base, end) =
-            search.descend(finest, *map_from_start, settings.finest_iterations, Some(start), settings.finest_converge_cells);
+        (map_from_base, end) = search.descend(
+            finest,
+            *map_from_start,
+            settings.finest_iterations,
+            Some(start),
+            settings.finest_converge_cells,
+        );
     }
     let seen = Observability::of(&end, search.extent_m, &settings.observability);
     let map_from_prior = prior.map_or(*map_from_start, |prior| prior.map_from_base);

@@ -97,7 +97,10 @@ impl PolishSettings {
             Some(prior) => {
                 let information = self.deviation_m.powi(-2);
                 let toward = prior.difference_from(pose);
-                (hessian * information + prior.information, descent * information + prior.information * toward)
+                (
+                    hessian * information + prior.information,
+                    descent * information + prior.information * toward,
+                )
             }
             None => (hessian, descent),
         };

@@ -62,7 +62,17 @@ pub fn fit_surfaces(
 /// Cells to meters, the level's axes to the map's.
 fn in_map_frame(sums: [f64; N_SUMS], cell_m: f64, level_from_map: &Pose2) -> SurfaceFit {
     let [bx, by, bt, xx, xy, xt, yy, yt, tt, cost, weight, n_used] = sums;
-    let hessian = Matrix3::new(xx, xy, xt * cell_m, xy, yy, yt * cell_m, xt * cell_m, yt * cell_m, tt * cell_m * cell_m);
+    let hessian = Matrix3::new(
+        xx,
+        xy,
+        xt * cell_m,
+        xy,
+        yy,
+        yt * cell_m,
+        xt * cell_m,
+        yt * cell_m,
+        tt * cell_m * cell_m,
+    );
     let descent = Vector3::new(bx * cell_m, by * cell_m, bt * cell_m * cell_m);
     let mut turn = Matrix3::identity();
     turn.fixed_view_mut::<2, 2>(0, 0).copy_from(level_from_map.rotation.to_rotation_matrix().matrix());

@@ -69,7 +69,8 @@ impl SurfaceMap {
         let width = self.size[0].max(1);
         let place = move |k: usize| [self.first[0] + (k % width) as i32, self.first[1] + (k / width) as i32];
         let known = self.index.iter().enumerate().filter(|(_, number)| **number > 0);
-        known.filter_map(move |(k, number)| Some((place(k), self.tiles.get(*number as usize - 1)?.as_slice())))
+        known
+            .filter_map(move |(k, number)| Some((place(k), self.tiles.get(*number as usize - 1)?.as_slice())))
     }
 
     /// Puts a tile of a save back; false where it is none.
@@ -78,6 +79,7 @@ impl SurfaceMap {
         let Ok(cells) = <[Quadric; TILE_CELLS]>::try_from(cells) else { return false };
         let is_fine = is_near && cells.iter().flatten().all(|v| v.is_finite());
         if is_fine {
+            self.make_room(tile);
             *self.tile_mut(tile) = cells;
         }
         is_fine
@@ -108,12 +110,13 @@ impl SurfaceMap {
         let [nx, ny] = normal;
         let part = [0, 1].map(|axis| (end[axis] - f64::from(cell[axis]) - 0.5) as f32);
         let a = [weight * nx * nx, weight * nx * ny, weight * ny * ny];
+        self.make_room(cell.map(|v| (v - 1) >> TILE_BITS));
+        self.make_room(cell.map(|v| (v + 1) >> TILE_BITS));
         for row in -1..=1 {
             for col in -1..=1 {
                 let distance = nx * (part[0] - col as f32) + ny * (part[1] - row as f32);
                 let along = weight * distance;
-                let line =
-                    [a[0], a[1], a[2], nx * along, ny * along, along * distance, weight, 0.0];
+                let line = [a[0], a[1], a[2], nx * along, ny * along, along * distance, weight, 0.0];
                 let quadric = self.quadric_mut([cell[0] + col, cell[1] + row]);
                 for (sum, term) in quadric.iter_mut().zip(line) {
                     *sum += term;
@@ -136,12 +139,13 @@ impl SurfaceMap {
         self.tiles.get((number as usize).wrapping_sub(1))?.get(within_tile(cell))
     }
 
+    #[inline]
     fn quadric_mut(&mut self, cell: [i32; 2]) -> &mut Quadric {
         &mut self.tile_mut(cell.map(|v| v >> TILE_BITS))[within_tile(cell)]
     }
 
+    /// Of a tile that there is room for.
     fn tile_mut(&mut self, tile: [i32; 2]) -> &mut [Quadric; TILE_CELLS] {
-        self.make_room(tile);
         let [col, row] = [0, 1].map(|axis| (tile[axis] - self.first[axis]) as usize);
         let number = &mut self.index[row * self.size[0] + col];
         if *number == 0 {

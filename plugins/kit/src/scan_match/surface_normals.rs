@@ -3,7 +3,7 @@
 use super::points::ScanPoints;
 
 /// Neighbors within this distance count, meters, ...
-const REACH_M: f64 = 0.25;
+const REACH_M: f32 = 0.25;
 /// ... and so many to each side at least, where beams are far apart.
 const LEAST_NEIGHBORS: usize = 2;
 /// Beyond a gap like this something else was seen, meters.
@@ -33,9 +33,11 @@ impl SurfaceNormals {
     pub fn find(&mut self, points: &ScanPoints, cell_m: f64) {
         self.sum_up(points);
         self.facings.clear();
+        let mut run = [0, 0];
         for idx in 0..points.len() {
+            run = self.run(points, idx, run);
             let share = (self.own_length_m(idx) / cell_m).min(1.0);
-            let normal = self.normal(points, idx);
+            let normal = self.normal(run);
             self.facings.push(normal.map_or_else(Facing::default, |normal| Facing {
                 normal: normal.map(|v| v as f32),
                 share: share as f32,
@@ -71,32 +73,31 @@ impl SurfaceNormals {
         }
     }
 
-    /// The first and the one after the last point of the run around a point.
-    fn run(&self, points: &ScanPoints, idx: usize) -> (usize, usize) {
+    /// The first and the last point of the run around a point, from those of the point before it.
+    fn run(&self, points: &ScanPoints, idx: usize, before: [usize; 2]) -> [usize; 2] {
         let (x, y) = (points.x(), points.y());
         let is_near = |other: usize| {
-            let (dx, dy) = (f64::from(x[other] - x[idx]), f64::from(y[other] - y[idx]));
+            let (dx, dy) = (x[other] - x[idx], y[other] - y[idx]);
             dx * dx + dy * dy <= REACH_M * REACH_M
         };
-        let (mut first, mut last) = (idx, idx);
-        while first > 0
-            && self.gaps_m[first - 1] <= WIDEST_GAP_M
-            && (idx - first < LEAST_NEIGHBORS || is_near(first - 1))
-        {
-            first -= 1;
+        let is_one = |gap: usize| self.gaps_m.get(gap).is_some_and(|gap_m| *gap_m <= WIDEST_GAP_M);
+        let goes_on = idx > 0 && is_one(idx - 1);
+        let [mut first, mut last] = if goes_on { [before[0], before[1].max(idx)] } else { [idx, idx] };
+        while idx - first > LEAST_NEIGHBORS && !is_near(first) {
+            first += 1;
         }
-        while last < self.gaps_m.len()
-            && self.gaps_m[last] <= WIDEST_GAP_M
-            && (last - idx < LEAST_NEIGHBORS || is_near(last + 1))
-        {
+        while is_one(last) && (last - idx < LEAST_NEIGHBORS || is_near(last + 1)) {
             last += 1;
         }
-        (first, last + 1)
+        while last - idx > LEAST_NEIGHBORS && !is_near(last) {
+            last -= 1;
+        }
+        [first, last]
     }
 
     /// Of the line that fits best (total least squares).
-    fn normal(&self, points: &ScanPoints, idx: usize) -> Option<[f64; 2]> {
-        let (first, end) = self.run(points, idx);
+    fn normal(&self, [first, last]: [usize; 2]) -> Option<[f64; 2]> {
+        let end = last + 1;
         let n = (end - first) as f64;
         if n < 3.0 {
             return None;

@@ -101,7 +101,7 @@ impl ScanMatchSlamParams {
                 },
                 covariance: CovarianceSettings { rule: self.covariance, ..CovarianceSettings::default() },
                 // What the cells leave, the surfaces in them take away.
-                finest_converge_cells: if self.polish { 0.05 } else { 0.0 },
+                finest_converge_cells: if self.polish { 0.1 } else { 0.0 },
                 ..MatchSettings::quick()
             },
             polish: self.polish.then(|| PolishSettings {

@@ -90,7 +90,11 @@ impl LoopWorld {
             bearing_step_rad: step_rad,
             min_range_m: 0.5,
             max_range_m: 8.0,
-            ranges_m: (0..160).map(range).map(|r| if r < 8.0 { r } else { f32::INFINITY }).collect::<Vec<_>>().into(),
+            ranges_m: (0..160)
+                .map(range)
+                .map(|r| if r < 8.0 { r } else { f32::INFINITY })
+                .collect::<Vec<_>>()
+                .into(),
             ..LaserScan::default()
         }
     }
