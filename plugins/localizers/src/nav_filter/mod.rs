@@ -8,6 +8,7 @@ mod params;
 mod plugin;
 pub mod standstill;
 pub mod tracker;
+mod unseen;
 
 #[cfg(test)]
 mod tests;

@@ -10,6 +10,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::tracker::TrackerSettings;
+use super::unseen::UsualSpeed;
 use crate::number_faults::number_faults;
 
 /// Where the base went in space: position, roll, pitch and yaw by an inertial measurement unit, held over the floor by laser
@@ -71,6 +72,14 @@ pub struct NavFilterParams {
     pub range_noise_m: f64,
     /// Standard deviation of the attitude that levels the scans of a robot that tilts, degrees: as that of `stabilized_scan`.
     pub leveled_within_deg: f64,
+    /// Scans that are less sure than this in a direction, meters, say nothing about it. Absent: what the match itself calls
+    /// unseen. On slopes a match between two walls may be wrong by more than it shows.
+    pub seen_within_m: Option<f64>,
+    /// How fast the robot drives along ways that scans do not see, m/s: that of the avoider. Not the wheels' reading; absent:
+    /// nobody knows.
+    pub usual_speed_m_s: Option<f64>,
+    /// Standard deviation of the mean over a second of that, m/s.
+    pub usual_speed_deviation_m_s: f64,
     /// Without a match for so long the robot is only reckoned, seconds.
     pub followed_for_s: f64,
     /// Without a match for so long, and without inertial readings, it is lost, seconds.
@@ -114,6 +123,9 @@ impl Default for NavFilterParams {
             max_match_m: scan.max_match_m,
             range_noise_m: scan.range_noise_m,
             leveled_within_deg: 0.5,
+            seen_within_m: None,
+            usual_speed_m_s: None,
+            usual_speed_deviation_m_s: 0.1,
             followed_for_s: 1.0,
             lost_after_s: 5.0,
         }
@@ -157,6 +169,10 @@ impl NavFilterParams {
             },
             wheels_m_s: self.wheels.then_some(self.wheels_deviation_m_s),
             leveled_within_rad: self.leveled_within_deg.to_radians(),
+            seen_within_m: self.seen_within_m,
+            usual_speed: self
+                .usual_speed_m_s
+                .map(|forward_m_s| UsualSpeed { forward_m_s, deviation_m_s: self.usual_speed_deviation_m_s }),
             followed_for: Span::from_secs(self.followed_for_s),
             lost_after: Span::from_secs(self.lost_after_s),
             fastest: [robot.max_speed_m_s, robot.max_turn_rad_s()],
@@ -191,6 +207,9 @@ impl Params for NavFilterParams {
                 ("max_match_m", self.max_match_m),
                 ("range_noise_m", self.range_noise_m),
                 ("followed_for_s", self.followed_for_s),
+                ("seen_within_m", self.seen_within_m.unwrap_or(1.0)),
+                ("usual_speed_m_s", self.usual_speed_m_s.unwrap_or(1.0)),
+                ("usual_speed_deviation_m_s", self.usual_speed_deviation_m_s),
             ],
         );
         if let Some(omega) = self.ci_omega.filter(|omega| !(0.0..1.0).contains(omega)) {

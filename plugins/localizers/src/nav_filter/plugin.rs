@@ -42,7 +42,7 @@ fn show(tracker: &Tracker, cx: &Cx<'_>) {
         ("scans_degenerate", scans.n_degenerate),
         ("scans_unmatched", scans.n_unmatched),
         ("scans_without_samples", scans.n_alone),
-        ("scans_of_slopes", scans.n_sloped),
+        ("scans_not_seeing_the_way", scans.n_unseen),
         ("scans_late", scans.n_late),
         ("readings_refused", scans.n_refused),
         ("samples_used", filter.n_samples),

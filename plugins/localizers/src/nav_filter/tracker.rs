@@ -11,6 +11,7 @@ use rumbo_kit::nav_filter::{
 use rumbo_kit::scan_odometry::{MatchStatus, ScanOdometer, ScanOdometrySettings, ScanStep};
 
 use super::standstill::Standstill;
+use super::unseen::{UsualSpeed, forget_unseen};
 
 /// All that can be set.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +28,10 @@ pub struct TrackerSettings {
     pub lost_after: Span,
     /// Standard deviation of the attitude by which tilted scans were leveled, radians.
     pub leveled_within_rad: f64,
+    /// Scans that are less sure than this in a direction do not see it, meters; absent where the match alone says so.
+    pub seen_within_m: Option<f64>,
+    /// How fast the robot drives where scans do not see the way, if that is known.
+    pub usual_speed: Option<UsualSpeed>,
     /// How far a scan without samples may be from the last one: m/s and rad/s.
     pub fastest: [f64; 2],
 }
@@ -44,8 +49,8 @@ pub struct Counts {
     pub n_alone: u64,
     /// Scans that were not newer than the last.
     pub n_late: u64,
-    /// Scans that saw a slope go by as the robot tilted.
-    pub n_sloped: u64,
+    /// Scans that did not see the way.
+    pub n_unseen: u64,
     /// Readings whose numbers cannot be.
     pub n_refused: u64,
 }
@@ -68,8 +73,6 @@ pub struct Tracker {
     /// Where the filter was for the key scan, and where the scans say that the last one was seen from there.
     odom_from_key: Pose2,
     key_from_scanned: Pose2,
-    /// How the scanner leaned for the key scan, in the axes of the base then.
-    key_lean: Vector2<f64>,
     last_match: Option<Time>,
     counts: Counts,
 }
@@ -100,7 +103,6 @@ impl Tracker {
             last_scan: None,
             odom_from_key: start.0,
             key_from_scanned: Pose2::identity(),
-            key_lean: Vector2::zeros(),
             last_match: None,
             counts: Counts::default(),
         })
@@ -157,7 +159,6 @@ impl Tracker {
             // Steps count from here.
             self.filter.take_step(stamp, None);
             self.odom_from_key = self.filter.odom_from_anchor();
-            self.key_lean = lean(mount);
             return;
         };
         let prior = predicted.unwrap_or_else(|| self.unknown_step(stamp - since));
@@ -166,17 +167,12 @@ impl Tracker {
         let step = self.key_from_scanned.inverse() * key_from_anchor * prior.pose;
         let taken = self.scans.take(scan, mount, &step, &prior.covariance);
         self.note(&taken, stamp);
+        let mut is_unseen = taken.matched.status != MatchStatus::Ok;
         let step = taken.matched.status.is_good().then(|| {
             let mut step = measured(&taken, &key_from_anchor);
             step.covariance += leveling_covariance(scan, mount, self.settings.leveled_within_rad);
-            let key_from_base = taken.matched.key_from_base.rotation;
-            let leaned = key_from_anchor.rotation.inverse() * (key_from_base * lean(mount) - self.key_lean);
-            if is_a_slope(&step, &prior, &leaned) {
-                self.counts.n_sloped += 1;
-                let along = leaned.normalize() * UNKNOWN_M;
-                let unknown = step.covariance.fixed_view::<2, 2>(0, 0) + along * along.transpose();
-                step.covariance.fixed_view_mut::<2, 2>(0, 0).copy_from(&unknown);
-            }
+            let within_m = self.settings.seen_within_m;
+            is_unseen |= within_m.is_some_and(|within_m| forget_unseen(&mut step.covariance, within_m));
             step
         });
         if predicted.is_some() {
@@ -189,11 +185,22 @@ impl Tracker {
             self.counts.n_alone += 1;
             self.filter.carry_on(step.as_ref().unwrap_or(&prior));
         }
+        if is_unseen {
+            self.counts.n_unseen += 1;
+            self.take_usual_speed(stamp, stamp - since);
+        }
         self.key_from_scanned = taken.matched.key_from_base;
         if taken.is_key {
             self.odom_from_key = self.filter.odom_from_anchor();
             self.key_from_scanned = Pose2::identity();
-            self.key_lean = lean(mount);
+        }
+    }
+
+    /// Nobody saw the way: the robot probably drives as fast as it usually does.
+    fn take_usual_speed(&mut self, stamp: Time, since_last: Span) {
+        if let Some(usual) = self.settings.usual_speed {
+            let (velocity, covariance) = usual.velocity(since_last.as_secs());
+            self.filter.take_velocity(stamp, &velocity, &covariance);
         }
     }
 
@@ -300,31 +307,6 @@ fn leveling_covariance(scan: &LaserScan, base_from_sensor: &Pose3, std_rad: f64)
     let reach_m = if n > 0.0 { sum_m / n } else { 0.0 };
     let place_m = (reach_m * sine).hypot(base_from_sensor.translation.z) * std_rad;
     Matrix3::from_diagonal(&Vector3::new(place_m, place_m, sine * std_rad).map(|std| std * std))
-}
-
-/// Where the scanner's own vertical points in the level frame.
-fn lean(base_from_sensor: &Pose3) -> Vector2<f64> {
-    (base_from_sensor.rotation * Vector3::z()).xy()
-}
-
-/// Less of a lean does not move what is seen of a slope, radians.
-const LEANS_RAD: f64 = 0.01;
-/// What does not fit what the filter expects by so many standard deviations is no wall.
-const SLOPE_DEVIATIONS: f64 = 3.0;
-/// How far a scan tells the way along a slope, meters.
-const UNKNOWN_M: f64 = 1.0;
-
-/// A scanner that leans more than it did for the key scan sees walls in the same place, and slopes elsewhere: the foot of a ramp
-/// that the robot begins to climb runs away from it. Where the scan does not fit along the direction in which it leans, it
-/// shows such a slope.
-fn is_a_slope(step: &PlanarPose, prior: &PlanarPose, leaned: &Vector2<f64>) -> bool {
-    if leaned.norm() < LEANS_RAD {
-        return false;
-    }
-    let along = leaned.normalize();
-    let off_m = along.dot(&(step.pose.translation.vector - prior.pose.translation.vector));
-    let both = (step.covariance + prior.covariance).fixed_view::<2, 2>(0, 0).into_owned();
-    off_m.powi(2) > SLOPE_DEVIATIONS.powi(2) * along.dot(&(both * along))
 }
 
 /// The step from where the filter was for the last scan to where this one was made, in the axes of the former: what the
