@@ -34,9 +34,10 @@ pub struct ScanOdometryParams {
     pub turn_deviation_deg_s: f64,
     /// How far a gyro may be off, degrees a second (standard deviation).
     pub gyro_deviation_deg_s: f64,
-    /// A scan becomes the key scan once the robot moved this far since the last one, meters.
+    /// A scan becomes the key scan once the robot moved this far since the last one, meters (published: 0.15). Each new one adds
+    /// its error to the drift.
     pub key_distance_m: f64,
-    /// Or turned so far, degrees.
+    /// Or turned so far, degrees (published: 5.73).
     pub key_angle_deg: f64,
     /// Or fewer of its points than this share match.
     pub key_overlap: f64,
@@ -140,8 +141,8 @@ impl Default for ScanOdometryParams {
             speed_deviation_m_s: 0.2,
             turn_deviation_deg_s: 20.0,
             gyro_deviation_deg_s: 0.5,
-            key_distance_m: scan.key_distance_m,
-            key_angle_deg: 5.73,
+            key_distance_m: 0.3,
+            key_angle_deg: 11.5,
             key_overlap: scan.key_overlap,
             max_match_m: scan.max_match_m,
             least_match_m: scan.least_match_m,

@@ -3,6 +3,7 @@
 mod bad_input;
 mod corridor;
 mod drift;
+mod nodding;
 
 use super::*;
 use nalgebra::Matrix3;

@@ -194,3 +194,21 @@ fn a_warm_scan_allocates_nothing() {
     });
     assert_eq!(info.count_total, 0);
 }
+
+/// The prior is far ahead and turned the wrong way round, as after a scan whose stamp was wrong.
+#[test]
+fn a_prediction_that_is_all_wrong_is_given_up_for_a_look_around_the_last_place() {
+    let (walls, mut rng) = (room(), rng(12));
+    for turn_rad in [-0.9, -0.5, 0.0, 0.7] {
+        let mut odometer =
+            ScanOdometer::new(ScanOdometrySettings::default(), Pose2::identity(), Matrix3::zeros());
+        let (at, step) = (pose2(-1.0, -1.0, 0.3), pose2(0.05, 0.0, turn_rad));
+        let wrong = pose2(1.4, 0.5, -1.2 * f64::signum(turn_rad));
+        for (pose, guess) in [(at, Pose2::identity()), (at * step, wrong)] {
+            let scan = seen(&walls, &pose, 361, 0.01, &mut rng);
+            odometer.take(&scan, &Pose3::identity(), &guess, &Matrix3::identity());
+        }
+        let [way_m, off_rad] = apart(&odometer.odom_from_base(), &step);
+        assert!(way_m < 0.02 && off_rad < 0.01, "{turn_rad}: {way_m} m, {off_rad} rad");
+    }
+}

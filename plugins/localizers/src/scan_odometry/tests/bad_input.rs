@@ -127,3 +127,21 @@ fn bad_pictures_do_not_tilt_scans() {
         assert!(is_sound(&estimate) && way_m < 0.02 && turn_rad < 0.01, "{k}: {way_m} {turn_rad}");
     }
 }
+
+/// As in logs that were written in bursts: the robot moves by a few centimeters from scan to scan, and its stamps say that
+/// this took a millisecond, or a second.
+#[test]
+fn stamps_that_jitter_make_no_velocity_that_cannot_be() {
+    let mut localizer = started(&ScanOdometryParams::default());
+    let (mut at, mut seconds) = (Pose2::identity(), 0.0);
+    for k in 0..60 {
+        let mut taken = scan(HALL, &at, f64::from(k));
+        taken.stamp = Time::from_secs(seconds);
+        let estimate = update(&mut *localizer, seconds, &[taken]);
+        let [way_m, turn_rad] = apart(&estimate.pose2(), &at);
+        assert!(way_m < 0.04 && turn_rad < 0.02, "scan {k}, {seconds} s: {way_m} m, {turn_rad} rad");
+        assert_eq!(estimate.status, Status::Tracking, "scan {k}");
+        at *= pose2(0.05, 0.0, 0.06);
+        seconds += [0.001, 0.3, 0.002, 0.9, 0.05][k as usize % 5];
+    }
+}
