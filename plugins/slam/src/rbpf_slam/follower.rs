@@ -72,7 +72,7 @@ const MOST_DOUBTS: usize = 2;
 const LEAST_DOUBT: f64 = 1.5;
 
 /// Against the odometer less of a registration is believed than it is worth, since both may be quite wrong; guesses are
-/// spread by this much more of it. Loops of some hundred meters on real logs are open by less than that still.
+/// spread by this much more of it. Two loops of a real log were open by a third of the deviations that the lesser share gives.
 const SPREAD_SHARE: f64 = 2.5;
 
 /// Factor of the covariance of what was expected, given what was found.
