@@ -8,7 +8,8 @@ use rumbo_kit::generated_world::GeneratedWorld;
 use rumbo_kit::occupancy::{BeamLimits, Evidence, FreeSpace, MapperSettings, Pyramid, ScanMapper};
 use rumbo_kit::ray::{Ray, RayGrid};
 use rumbo_kit::scan_match::{
-    MatchSettings, PolishSettings, ScanPoints, ScanPreparation, SurfaceMap, levels_of, levels_within, match_scan,
+    MatchSettings, PolishSettings, ScanPoints, ScanPreparation, SurfaceMap, levels_of, levels_within,
+    match_scan,
 };
 
 fn main() {

@@ -166,8 +166,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         pairs.print(&format!("two scans, {name}"));
         let mut on = Mapped::new(1024, Point2::new(25.0, 25.0), 0.45)?;
-        for (k, taken) in taken.iter().enumerate().filter(|(k, _)| k % 2 == 0) {
-            let _ = k;
+        for taken in taken.iter().step_by(2) {
             on.insert(taken, &taken.truth)?;
         }
         for (what, away, reach_m) in [
