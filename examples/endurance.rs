@@ -65,7 +65,8 @@ struct Watcher {
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let minutes: usize = std::env::args().nth(1).map_or(Ok(30), |text| text.parse())?;
     let seconds = minutes as f64 * 60.0;
-    let corners: Vec<String> = LANE_M.iter().map(|[x, y]| format!("{{ x_m = {x:.1}, y_m = {y:.1} }}")).collect();
+    let corners: Vec<String> =
+        LANE_M.iter().map(|[x, y]| format!("{{ x_m = {x:.1}, y_m = {y:.1} }}")).collect();
     let laps = vec![corners.join(", "); minutes * MOST_LAPS_A_MINUTE];
     let sets = [
         format!("sensor.laser.rate_hz={LASER_HZ:.1}"),
@@ -131,7 +132,9 @@ impl Watcher {
             self.n_bad,
             self.n_failures
         );
-        println!("memory {growth:.4} of the first minute's, cycles {slower:.3} of the first minute's, {cores:.3} cores");
+        println!(
+            "memory {growth:.4} of the first minute's, cycles {slower:.3} of the first minute's, {cores:.3} cores"
+        );
         let has_driven = reason == EndReason::TimeLimit && self.n_contacts == 0;
         let is_sound = self.n_bad == 0 && self.n_failures == 0;
         has_driven && is_sound && growth <= MOST_GROWTH && slower <= MOST_SLOWER && cores <= 1.0
@@ -146,7 +149,9 @@ impl Observer for Watcher {
         }
         self.end = view.now;
         self.n_bad += u64::from(view.estimate.check().is_err());
-        self.n_failures += view.events.iter().filter(|event| matches!(event.kind, EventKind::StageFailed { .. })).count() as u64;
+        self.n_failures +=
+            view.events.iter().filter(|event| matches!(event.kind, EventKind::StageFailed { .. })).count()
+                as u64;
         if let Some(truth) = view.truth {
             let way = view.map_from_base.translation.vector - truth.map_from_base.translation.vector.xy();
             self.worst_m = self.worst_m.max(way.norm());

@@ -1490,6 +1490,9 @@ typedef struct rumbo_slam_table {
                         const struct rumbo_prior *prior,
                         rumbo_map_mut *map,
                         struct rumbo_error *error);
+    // Asked when somebody saves the map: brings its layers of `map`, which is what will be saved, to the poses of
+    // `trajectory`; null where its map is always so. Since ABI 1.1.
+    int32_t (*save_map)(const void *instance, rumbo_map_mut *map, struct rumbo_error *error);
 } rumbo_slam_table;
 
 // Functions of a sensor.

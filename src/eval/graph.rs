@@ -63,7 +63,8 @@ fn all_starts(file: &G2oGraph) -> Vec<Solved> {
         true
     };
     let in_file = file.has_poses.then(|| solved("file", &file.graph, |_| true)).flatten();
-    let others = [solved("tree", &file.graph, tree), solved("chords", &file.graph, PoseGraph::start_from_chords)];
+    let others =
+        [solved("tree", &file.graph, tree), solved("chords", &file.graph, PoseGraph::start_from_chords)];
     in_file.into_iter().chain(others.into_iter().flatten()).collect()
 }
 
@@ -96,7 +97,10 @@ fn say(args: &Args, figures: &Figures, terminal: &Terminal) {
         let Solved { start, cost_at_start, cost, n_iterations, is_converged, wall_s } = solved;
         let end = if *is_converged { "" } else { ", not at a minimum" };
         let ms = 1e3 * wall_s;
-        (*start, format!("cost {cost:.4} from {cost_at_start:.4}, {n_iterations} iterations, {ms:.1} ms{end}"))
+        (
+            *start,
+            format!("cost {cost:.4} from {cost_at_start:.4}, {n_iterations} iterations, {ms:.1} ms{end}"),
+        )
     };
     figures::lines(&title, &figures.starts.iter().map(row).collect::<Vec<_>>(), terminal);
 }

@@ -253,3 +253,20 @@ fn maps_that_cannot_be_compared_are_refused_with_what_to_do() {
     refuses(&["eval", "map", &map, &broken], &["resolution is -1"]);
     refuses(&["eval", "map", &map, &map, "--tolerance", "0"], &["--tolerance"]);
 }
+
+#[test]
+fn a_pose_graph_is_optimized_from_every_start() {
+    let files = Files::new("graph");
+    // A square that closes but for 0.1 m.
+    let edge =
+        |from: u32, to: u32, x: f64| format!("EDGE_SE2 {from} {to} {x} 0 1.5707963267948966 1 0 0 1 0 1\n");
+    let text = edge(0, 1, 1.0) + &edge(1, 2, 1.0) + &edge(2, 3, 1.0) + &edge(3, 0, 1.1);
+    let graph = give(&["eval", "graph", &files.write("square.g2o", text), "--json"]).json();
+    assert_eq!((&graph["n_poses"], &graph["n_constraints"]), (&4.into(), &4.into()));
+    let costs = ["/starts/0/cost", "/starts/1/cost"].map(|pointer| number(&graph, pointer));
+    assert!((costs[0] - costs[1]).abs() < 1e-9 && costs[0] > 1e-4 && costs[0] < 0.01, "{costs:?}");
+    refuses(
+        &["eval", "graph", &files.write("bad.g2o", "EDGE_SE2 0\n")],
+        &["bad.g2o:1: EDGE_SE2.to is missing"],
+    );
+}

@@ -89,16 +89,15 @@ pub struct Walls(Vec<[f64; 4]>);
 impl Walls {
     /// Reads them.
     pub fn load() -> Walls {
-        let path =
-            concat!(env!("CARGO_MANIFEST_DIR"), "/plugins/slam/tests/data/slam2d_sim_loop_world.json");
-        let file: serde_json::Value =
-            serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/plugins/slam/tests/data/slam2d_sim_loop_world.json");
+        let file: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
         Walls(serde_json::from_value(file["segments_base"].clone()).unwrap())
     }
 
     fn distance_m(&self, at: Point2) -> f64 {
         let to_wall = |[x0, y0, x1, y1]: &[f64; 4]| {
-            let (from, along) = (Vector3::new(at.x - x0, at.y - y0, 0.0), Vector3::new(x1 - x0, y1 - y0, 0.0));
+            let (from, along) =
+                (Vector3::new(at.x - x0, at.y - y0, 0.0), Vector3::new(x1 - x0, y1 - y0, 0.0));
             let share = (from.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
             (from - along * share).norm()
         };

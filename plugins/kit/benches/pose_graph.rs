@@ -37,7 +37,13 @@ fn city() -> PoseGraph {
             continue;
         }
         let is_far = truth[k - 1].translation.vector.amax() > 20.0;
-        let quarters = if k % 4 != 0 { 0.0 } else if is_far { 1.0 } else { f64::from(rng.random_range(-1..=1)) };
+        let quarters = if k % 4 != 0 {
+            0.0
+        } else if is_far {
+            1.0
+        } else {
+            f64::from(rng.random_range(-1..=1))
+        };
         truth.push(truth[k - 1] * pose2(1.0, 0.0, quarters * std::f64::consts::FRAC_PI_2));
         bind(&mut graph, k - 1, k, noisy(truth[k - 1].inverse() * truth[k], &mut rng));
     }
@@ -68,7 +74,9 @@ fn one_more_step_with_the_structure_known(bencher: divan::Bencher<'_, '_>) {
     let mut optimizer = GraphOptimizer::default();
     let one = OptimizeSettings { most_iterations: 1, ..OptimizeSettings::default() };
     optimizer.optimize(&mut graph, &one);
-    bencher.with_inputs(|| graph.clone()).bench_local_values(|mut graph| optimizer.optimize(&mut graph, &one));
+    bencher
+        .with_inputs(|| graph.clone())
+        .bench_local_values(|mut graph| optimizer.optimize(&mut graph, &one));
 }
 
 #[divan::bench(sample_count = 20)]

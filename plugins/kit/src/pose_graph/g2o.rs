@@ -166,7 +166,12 @@ impl File {
         let ids: Vec<u64> = known.into_iter().collect();
         let mut graph = PoseGraph::default();
         let refused = |line: u64, tag, field: &str, found: String| {
-            Words::new(line, &[]).of(tag).fault(FaultKind::OutOfRange, field, found, "what makes a pose graph")
+            Words::new(line, &[]).of(tag).fault(
+                FaultKind::OutOfRange,
+                field,
+                found,
+                "what makes a pose graph",
+            )
         };
         for id in &ids {
             let pose = self.poses.get(id).copied().unwrap_or_else(Pose2::identity);

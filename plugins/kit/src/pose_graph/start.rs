@@ -137,7 +137,11 @@ fn solved(
             equations.pull(from, &(back * (seen - shift)));
         }
         if let (Some(from), Some(to)) = (from_column, to_column) {
-            if from < to { equations.add(from, to, &-back) } else { equations.add(to, from, &-back.transpose()) }
+            if from < to {
+                equations.add(from, to, &-back)
+            } else {
+                equations.add(to, from, &-back.transpose())
+            }
         }
     }
     let answer = equations.solve()?;

@@ -21,7 +21,8 @@ const MARGIN_SHARE: f64 = 0.05;
 
 /// Share of the points of both views, of those that the other one could see, that lie where it saw free space.
 pub(super) fn denied_share(one: &View<'_>, other: &View<'_>, one_from_other: &Pose2) -> f64 {
-    let (a, b) = (in_free_space(one, other, one_from_other), in_free_space(other, one, &one_from_other.inverse()));
+    let (a, b) =
+        (in_free_space(one, other, one_from_other), in_free_space(other, one, &one_from_other.inverse()));
     let (n_denied, n_judged) = (a[0] + b[0], a[1] + b[1]);
     n_denied as f64 / n_judged.max(1) as f64
 }

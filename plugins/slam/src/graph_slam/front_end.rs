@@ -29,6 +29,22 @@ pub(super) struct Prediction {
     pub first_gate_m: f64,
     /// It has come so far by the odometer alone that what was seen before is no help.
     pub is_far: bool,
+    /// Nobody knows how it came here: for some time there was neither a scan nor an odometer.
+    pub is_blind: bool,
+}
+
+impl Prediction {
+    /// Near here, as a search has found.
+    pub fn around(frame_from_base: Pose2) -> Prediction {
+        Prediction {
+            frame_from_base,
+            without_odometer: None,
+            deviation: [0.1, 0.05],
+            first_gate_m: 0.3,
+            is_far: false,
+            is_blind: false,
+        }
+    }
 }
 
 /// Deviations at which the odometer pulls with half its weight.

@@ -1,11 +1,14 @@
 //! When a scan becomes a key frame, and what follows from that: ties, loops, an optimization.
 
 use super::atlas::KeyFrame;
+use super::loops::{Look, LoopSettings, Recognized};
 use super::tracker::Tracker;
 use rumbo_core::frames::Pose2;
 
 /// After a loop so many frames are tied to neighbors that they could not trust before.
 const CATCH_UP: usize = 80;
+/// So many of them at one scan.
+const CATCH_UP_AT_ONCE: usize = 8;
 
 /// A loop that moves two frames in a row so far against each other is a false one, meters.
 const MOST_TORN_M: f64 = 0.5;
@@ -30,19 +33,38 @@ impl Tracker {
         self.atlas.tie_neighbors(added);
         self.since_optimized += 1;
         let looks = self.is_adrift || added % self.settings.look_for_loops_every == 0;
-        let has_loop = looks && self.close_loop(added);
-        let due = self.settings.optimize_every.max((self.settings.optimize_share * added as f64) as usize);
-        if !has_loop && self.since_optimized >= due {
-            self.optimize();
+        if looks && self.look.is_none() {
+            self.look = Some(Look::begin(&self.atlas, added, self.is_adrift, &self.settings.loops));
         }
-        if has_loop {
-            for frame in (added + 1).saturating_sub(CATCH_UP)..=added {
-                self.atlas.tie_neighbors(frame);
-            }
+        let due = self.settings.optimize_every.max((self.settings.optimize_share * added as f64) as usize);
+        if self.since_optimized >= due {
             self.optimize();
         }
         let recent: Vec<usize> = ((added + 1).saturating_sub(self.settings.n_recent)..added + 1).collect();
         self.front.look_from(&self.atlas, added, &recent);
+    }
+
+    /// Goes on with what takes longer than there is time at one scan: ties after a loop, and the search for another one.
+    pub(super) fn go_on(&mut self) {
+        let [first, end] = self.catch_up;
+        if first < end {
+            let from = end.saturating_sub(CATCH_UP_AT_ONCE).max(first);
+            (from..end).rev().for_each(|frame| self.atlas.tie_neighbors(frame));
+            self.catch_up = [first, from];
+            if from == first {
+                self.optimize();
+            }
+        }
+        let Some(mut look) = self.look.take() else { return };
+        let LoopSettings { most_places, .. } = self.settings.loops;
+        // All of them until the next look begins, should each scan become a key frame.
+        let n_places = most_places.div_ceil(self.settings.look_for_loops_every).max(1);
+        self.search.go_on(&self.atlas, &mut look, &self.settings.loops, n_places);
+        match look.best {
+            _ if !look.places.is_empty() => self.look = Some(look),
+            Some(found) => self.close_loop(look.frame, &found),
+            None => {}
+        }
     }
 
     fn optimize(&mut self) {
@@ -51,10 +73,8 @@ impl Tracker {
         self.n_moves += 1;
     }
 
-    /// Ties a frame to where the robot has come back to and moves all frames accordingly, if it has.
-    fn close_loop(&mut self, frame: usize) -> bool {
-        let settings = if self.is_adrift { self.settings.loops.wide() } else { self.settings.loops };
-        let Some(found) = self.search.close(&self.atlas, frame, &settings) else { return false };
+    /// Ties a frame to where the robot has come back to and moves all frames accordingly.
+    fn close_loop(&mut self, frame: usize, found: &Recognized) {
         let place_from_map = self.atlas.pose(found.place).inverse();
         let mut near: Vec<(u64, usize)> = found
             .frames
@@ -75,15 +95,16 @@ impl Tracker {
             }
         }
         if n_ties == 0 {
-            return false;
+            return;
         }
         self.optimize();
         if self.atlas.is_torn_since(&as_it_was, MOST_TORN_M) {
             self.atlas.take_back(as_it_was);
-            return false;
+            return;
         }
         self.n_loops += 1;
         self.is_adrift = false;
-        true
+        let end = self.atlas.frames.len();
+        self.catch_up = [end.saturating_sub(CATCH_UP), end];
     }
 }

@@ -36,6 +36,10 @@ impl LoopSettings {
         let reach_rad = (2.0 * self.reach_rad).min(std::f64::consts::PI);
         LoopSettings { drift_share: 2.0 * self.drift_share, reach_rad, ..*self }
     }
+
+    fn reach_m(&self, way_m: f64) -> f64 {
+        (self.least_reach_m + self.drift_share * way_m).min(self.most_reach_m)
+    }
 }
 
 /// Edge of the cells that are laid on each other, meters.
@@ -51,6 +55,8 @@ const PLACE_REACH_M: f64 = 4.0;
 const PLACE_FRAMES: usize = 15;
 /// Places that are this far apart are looked at separately, meters.
 const PLACES_APART_M: f64 = 4.0;
+/// Frames that nothing ties together are taken to be so far apart, meters.
+const NO_WAY_M: f64 = 1e3;
 /// An answer elsewhere is at least this far from the best one, meters and radians.
 const ELSEWHERE: [f64; 2] = [1.0, 0.4];
 
@@ -64,6 +70,49 @@ pub(super) struct Recognized {
     pub frames: Vec<usize>,
 }
 
+/// A search for a place of an earlier visit: it is done a few places at a time, so that no scan waits for long.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Look {
+    /// Frame that is looked for.
+    pub frame: usize,
+    /// It has come a long way by dead reckoning.
+    pub is_wide: bool,
+    /// Places that are still to be looked at, with the way that the graph knows to them, meters.
+    pub places: Vec<(usize, f64)>,
+    /// The best one so far.
+    pub best: Option<Recognized>,
+}
+
+impl Look {
+    /// Among the places that may be here although the graph knows only a long way to them.
+    pub fn begin(atlas: &Atlas, frame: usize, is_wide: bool, settings: &LoopSettings) -> Look {
+        let settings = if is_wide { settings.wide() } else { *settings };
+        let ways_m = atlas.ways_from(frame, f64::INFINITY);
+        let here = atlas.pose(frame).translation.vector;
+        let mut candidates: Vec<(u64, usize, f64)> = Vec::new();
+        for (other, way_m) in ways_m.iter().enumerate() {
+            let off_m = (here - atlas.pose(other).translation.vector).norm();
+            if *way_m > atlas.settings.trusted_way_m && off_m < settings.reach_m(*way_m) + 1.0 {
+                // Where nothing leads to it may be anywhere.
+                let way_m = if way_m.is_finite() { *way_m } else { NO_WAY_M };
+                candidates.push(((off_m * 1e6) as u64, other, way_m));
+            }
+        }
+        candidates.sort_unstable_by_key(|(off, other, _)| (*off, *other));
+        let mut places: Vec<(usize, f64)> = Vec::new();
+        for (_, place, way_m) in candidates {
+            let at = atlas.pose(place).translation.vector;
+            let is_near = |(other, _): &(usize, f64)| {
+                (atlas.pose(*other).translation.vector - at).norm() < PLACES_APART_M
+            };
+            if places.len() < settings.most_places && !places.iter().any(is_near) {
+                places.push((place, way_m));
+            }
+        }
+        Look { frame, is_wide, places, best: None }
+    }
+}
+
 /// Searches places, and keeps its memory.
 #[derive(Debug, Default)]
 pub(super) struct LoopSearch {
@@ -72,48 +121,23 @@ pub(super) struct LoopSearch {
 }
 
 impl LoopSearch {
-    /// The place of an earlier visit that fits a frame best, among those that may be here although the graph knows only a
-    /// long way to them.
-    pub fn close(&mut self, atlas: &Atlas, frame: usize, settings: &LoopSettings) -> Option<Recognized> {
-        let ways_m = atlas.ways_from(frame, f64::INFINITY);
-        let here = atlas.pose(frame);
-        let reach_of =
-            |way_m: f64| (settings.least_reach_m + settings.drift_share * way_m).min(settings.most_reach_m);
-        let mut candidates: Vec<(u64, usize)> = Vec::new();
-        for (other, way_m) in ways_m.iter().enumerate() {
-            let off_m = (here.translation.vector - atlas.pose(other).translation.vector).norm();
-            if *way_m > atlas.settings.trusted_way_m && off_m < reach_of(*way_m) + 1.0 {
-                candidates.push(((off_m * 1e6) as u64, other));
-            }
-        }
-        candidates.sort_unstable();
-        let lately = lately(atlas, frame, settings.n_lately);
-        let mut looked_at: Vec<Pose2> = Vec::new();
-        let mut best: Option<Recognized> = None;
-        for (_, place) in candidates {
-            let pose = atlas.pose(place);
-            let is_near =
-                |other: &Pose2| (other.translation.vector - pose.translation.vector).norm() < PLACES_APART_M;
-            if looked_at.iter().any(is_near) {
-                continue;
-            }
-            if looked_at.len() >= settings.most_places {
-                break;
-            }
-            looked_at.push(pose);
-            let way_m = ways_m.get(place).copied().filter(|way| way.is_finite()).unwrap_or(1e3);
+    /// Looks at some of the places that are left; the best of them all is known when none is.
+    pub fn go_on(&mut self, atlas: &Atlas, look: &mut Look, settings: &LoopSettings, n_places: usize) {
+        let settings = if look.is_wide { settings.wide() } else { *settings };
+        let here = atlas.pose(look.frame);
+        let lately = lately(atlas, look.frame, settings.n_lately);
+        for (place, way_m) in look.places.drain(..n_places.min(look.places.len())).collect::<Vec<_>>() {
             let window = SearchWindow {
-                grid_from_base: pose.inverse() * here,
-                reach_m: reach_of(way_m),
+                grid_from_base: atlas.pose(place).inverse() * here,
+                reach_m: settings.reach_m(way_m),
                 reach_rad: settings.reach_rad,
                 step_rad: 0.0,
-                least_score: best.as_ref().map_or(settings.least_score, |best| best.score),
+                least_score: look.best.as_ref().map_or(settings.least_score, |best| best.score),
                 most_nodes: MOST_NODES,
             };
             let found = self.look(atlas, place, &lately, &window, settings.most_rival);
-            best = found.or(best);
+            look.best = found.or_else(|| look.best.take());
         }
-        best
     }
 
     /// The place that fits best of all, wherever the robot may be.

@@ -87,13 +87,13 @@ impl GraphSlam {
         let (stamp, pose, odom_from_base) = match (before.odom_from_base, newest) {
             (Some(then), Some((stamp, odom))) => (stamp, at_scan * (then.inverse() * odom), odom),
             (Some(then), None) => (before.stamp, at_scan, then),
-            (None, _) => (before.stamp, at_scan, at_scan),
+            // Without an odometer the frame that it would count in stays where the base is.
+            (None, _) => (before.stamp, at_scan, Pose2::identity()),
         };
         let mut estimate = Estimate::planar(stamp, pose, odom_from_base, covariance);
+        let blind_s = (stamp.max(now) - before.stamp).as_secs();
         estimate.status = match tracker.fit {
-            Fit::Placed if !tracker.is_adrift && (stamp - before.stamp).as_secs() <= BLIND_AFTER_S => {
-                Status::Tracking
-            }
+            Fit::Placed if !tracker.is_adrift && blind_s <= BLIND_AFTER_S => Status::Tracking,
             Fit::Placed => Status::Converging,
             Fit::Guessed => Status::Converging,
             Fit::Lost => Status::Lost,

@@ -29,6 +29,7 @@ impl Tracker {
                 deviation,
                 first_gate_m,
                 is_far: false,
+                is_blind: false,
             };
         };
         let seconds = (stamp - before.stamp).as_secs();
@@ -44,7 +45,9 @@ impl Tracker {
             }
             _ => (as_before, [least_m + GUESS_M_S * seconds, least_rad + GUESS_RAD_S * seconds]),
         };
-        let is_far = odom_from_base.is_some() && before.odom_from_base.is_some() && deviation[0] > MOST_OFF_M;
+        let has_odometer = odom_from_base.is_some() && before.odom_from_base.is_some();
+        let is_far = has_odometer && deviation[0] > MOST_OFF_M;
+        let is_blind = !has_odometer && seconds > BLIND_AFTER_S;
         let heading = self.heading_at(stamp).zip(before.heading);
         if let Some(turn_rad) = heading.and_then(|(now, then)| now.since(&then)) {
             motion.rotation = UnitComplex::new(turn_rad);
@@ -54,7 +57,14 @@ impl Tracker {
         let first_gate_m = (2.0 * deviation[0] + 10.0 * deviation[1]).clamp(0.3, 0.5);
         let here = self.frame_from_base;
         let without_odometer = (seconds <= BLIND_AFTER_S).then(|| [here, here * as_before]);
-        Prediction { frame_from_base: here * motion, without_odometer, deviation, first_gate_m, is_far }
+        Prediction {
+            frame_from_base: here * motion,
+            without_odometer,
+            deviation,
+            first_gate_m,
+            is_far,
+            is_blind,
+        }
     }
 
     /// The odometer at a time, as well as it is known yet.

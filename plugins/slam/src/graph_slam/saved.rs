@@ -2,6 +2,7 @@
 
 use super::atlas::{Atlas, KeyFrame};
 use super::gyro::{Gyro, Heading};
+use super::loops::{Look, Recognized, frames_of};
 use super::surface::surface_of;
 use super::tracker::{Before, Fit, Track, Tracker, TrackerSettings};
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion};
@@ -11,7 +12,7 @@ use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::time::Time;
 use rumbo_kit::pose_graph::{Constraint, RobustKernel};
 
-const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 2 };
+const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 3 };
 
 /// Everything that the next scan depends on.
 pub(super) fn write(tracker: &Tracker) -> Vec<u8> {
@@ -68,11 +69,29 @@ fn put_robot(to: &mut Vec<u8>, tracker: &Tracker) {
         put_pose(to, turn);
     });
     put_count(to, usize::from(tracker.is_adrift));
+    put_count(to, usize::from(tracker.is_doubtful));
     put_some(to, tracker.saw_at.as_ref(), |to, stamp| to.extend(stamp.0.to_le_bytes()));
     put_count(to, tracker.fit as usize);
     put_count(to, tracker.n_missed as usize);
     put_count(to, tracker.since_optimized);
     put_count(to, tracker.n_loops);
+    tracker.catch_up.iter().for_each(|frame| put_count(to, *frame));
+    put_some(to, tracker.look.as_ref(), put_look);
+}
+
+fn put_look(to: &mut Vec<u8>, look: &Look) {
+    put_count(to, look.frame);
+    put_count(to, usize::from(look.is_wide));
+    put_count(to, look.places.len());
+    for (place, way_m) in &look.places {
+        put_count(to, *place);
+        to.extend(way_m.to_le_bytes());
+    }
+    put_some(to, look.best.as_ref(), |to, best| {
+        put_count(to, best.place);
+        put_pose(to, &best.place_from_frame);
+        to.extend(best.score.to_le_bytes());
+    });
 }
 
 /// The state that was saved.
@@ -150,6 +169,7 @@ fn robot(from: &mut Reader<'_>, tracker: &mut Tracker) -> Option<()> {
     let newest = some(from, |from| Some((Time(from.i64()?), pose(from)?)))?;
     tracker.gyro = Gyro::go_on(run, newest);
     tracker.is_adrift = count(from)? != 0;
+    tracker.is_doubtful = count(from)? != 0;
     tracker.saw_at = some(from, |from| Some(Time(from.i64()?)))?;
     tracker.fit = match count(from)? {
         0 => Fit::Placed,
@@ -160,7 +180,21 @@ fn robot(from: &mut Reader<'_>, tracker: &mut Tracker) -> Option<()> {
     tracker.n_missed = count(from)? as u32;
     tracker.since_optimized = count(from)?;
     tracker.n_loops = count(from)?;
-    Some(())
+    tracker.catch_up = [count(from)?, count(from)?];
+    tracker.look = some(from, |from| look(from, &tracker.atlas))?;
+    (tracker.catch_up[1] <= n_known).then_some(())
+}
+
+fn look(from: &mut Reader<'_>, atlas: &Atlas) -> Option<Look> {
+    let known = |frame: usize| (frame < atlas.frames.len()).then_some(frame);
+    let (frame, is_wide, n_places) = (known(count(from)?)?, count(from)? != 0, count(from)?);
+    let place = |from: &mut Reader<'_>| Some((known(count(from)?)?, from.f64()?));
+    let places = (0..n_places).map(|_| place(from)).collect::<Option<Vec<_>>>()?;
+    let best = some(from, |from| {
+        let (place, place_from_frame, score) = (known(count(from)?)?, pose(from)?, from.f64()?);
+        Some(Recognized { place, place_from_frame, score, frames: frames_of(atlas, place) })
+    })?;
+    Some(Look { frame, is_wide, places, best })
 }
 
 fn put_count(to: &mut Vec<u8>, count: usize) {

@@ -4,7 +4,7 @@ use super::atlas::{Atlas, KeyFrame, TieSettings};
 use super::contradiction::{View, denied_share};
 use super::front_end::{FrontEnd, Prediction, SURE_FIT};
 use super::gyro::{Gyro, Heading};
-use super::loops::{LoopSearch, LoopSettings, frames_of, thinned};
+use super::loops::{Look, LoopSearch, LoopSettings, frames_of, thinned};
 use super::surface::{SurfaceLimits, SurfacePoint, surface_of};
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, Pose3, lift};
@@ -85,6 +85,8 @@ pub(super) struct Tracker {
     pub gyro: Gyro,
     /// It has come here without scans, and has met nothing since that it knew before.
     pub is_adrift: bool,
+    /// It has come here nobody knows how, and no scan has clearly fitted since.
+    pub is_doubtful: bool,
     /// When a scan last had enough points.
     pub saw_at: Option<Time>,
     pub before: Option<Before>,
@@ -96,6 +98,10 @@ pub(super) struct Tracker {
     pub fit: Fit,
     pub n_missed: u32,
     pub since_optimized: usize,
+    /// A search for a loop that is not over yet.
+    pub look: Option<Look>,
+    /// Frames that are to be tied to neighbors after a loop: the first, and the one after the last.
+    pub catch_up: [usize; 2],
     pub tracks: Vec<Track>,
     pub left_out: LeftOut,
     pub n_loops: usize,
@@ -110,15 +116,26 @@ pub(super) const BLIND_AFTER_S: f64 = 1.0;
 /// A robot whose scans fit no better than this for some time is somewhere else.
 const POOR_FIT: f64 = 0.6;
 /// Nor is one that meets things where the key frame before saw free space, or the other way round: share of what both see.
-const MOST_DENIED: f64 = 0.25;
+const MOST_DENIED: f64 = 0.1;
 /// A robot that has doubted its place is sure again where no more than this contradicts it.
-const SURELY_DENIED: f64 = 0.1;
+const SURELY_DENIED: f64 = 0.05;
+/// Nor is a place that was searched for in the whole map taken where more does: corners of buildings are alike.
+const HARDLY_DENIED: f64 = 0.03;
+/// Narrower views are not judged so: what a depth camera sees of low things changes with how far away they are, and a
+/// robot that waited for a good fit would have turned away from all that it could be registered on.
+const NARROW_RAD: f64 = std::f64::consts::FRAC_PI_2;
 /// So many scans in a row may fit badly before it takes a good one to be sure again.
 const MISSED_BY_CHANCE: u32 = 2;
-/// Lost robots look for themselves, and again after so many scans, twice as many, and so on ...
+/// Lost robots look for themselves every so many scans ...
 const LOOK_EVERY: u32 = 10;
-/// ... up to so many times as many.
+/// ... this often; then the pause doubles with each look in vain ...
+const PATIENT_LOOKS: u32 = 8;
+/// ... up to so many times as long.
 const LONGEST_PAUSE: u32 = 32;
+
+fn is_narrow(view: &View<'_>) -> bool {
+    view.scan.bearing_step_rad.abs() * (view.scan.ranges_m.len() as f64) < NARROW_RAD
+}
 
 impl Tracker {
     pub fn new(settings: TrackerSettings, first_pose: Pose2) -> Tracker {
@@ -130,6 +147,7 @@ impl Tracker {
             odometry: OdometryHistory::default(),
             gyro: Gyro::default(),
             is_adrift: false,
+            is_doubtful: false,
             saw_at: None,
             before: None,
             frame_from_base: first_pose,
@@ -139,6 +157,8 @@ impl Tracker {
             fit: Fit::Guessed,
             n_missed: 0,
             since_optimized: 0,
+            look: None,
+            catch_up: [0; 2],
             tracks: Vec::new(),
             left_out: LeftOut::default(),
             n_loops: 0,
@@ -176,7 +196,7 @@ impl Tracker {
             self.saw_at = Some(stamp);
         }
         // Where a scan suddenly fits nowhere, the robot may have been carried away: no place for a key frame.
-        let may_add = self.fit == Fit::Placed || self.fit == Fit::Guessed && was_blind;
+        let may_add = self.fit == Fit::Placed || self.fit == Fit::Guessed && was_blind && !self.is_doubtful;
         if may_add && has_points && self.is_key_frame() {
             let frame = KeyFrame {
                 scan: scan.clone(),
@@ -186,6 +206,7 @@ impl Tracker {
             };
             self.add_key_frame(frame);
         }
+        self.go_on();
         if self.fit != Fit::Lost {
             self.tracks.push(Track { stamp, frame: self.front.frame, frame_from_base: self.frame_from_base });
         }
@@ -206,6 +227,7 @@ impl Tracker {
         let is_lost = self.fit == Fit::Lost;
         // Nor is what was seen before a long way without scans any help.
         self.is_adrift |= prediction.is_far;
+        self.is_doubtful |= prediction.is_blind;
         let found = if is_lost || prediction.is_far {
             None
         } else {
@@ -219,16 +241,17 @@ impl Tracker {
             let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
             self.covariance = inverse.unwrap_or(self.covariance);
             // A robot that was carried away must not settle where it fits least badly.
-            let (least_fit, most_denied) = if self.n_missed > MISSED_BY_CHANCE {
+            let (least_fit, most_denied) = if is_narrow(view) {
+                (0.0, 1.0)
+            } else if self.is_doubtful || self.n_missed > MISSED_BY_CHANCE {
                 (SURE_FIT, SURELY_DENIED)
             } else {
                 (POOR_FIT, MOST_DENIED)
             };
             let denied_share = self.denied_share(view);
-            if std::env::var("DENY").is_ok() { eprintln!("DENY {:.3} {:.3}", denied_share, found.fit()); }
             if found.fit() >= least_fit && denied_share <= most_denied {
                 self.fit = Fit::Placed;
-                self.n_missed = 0;
+                (self.n_missed, self.is_doubtful) = (0, false);
                 return;
             }
             self.fit = Fit::Guessed;
@@ -240,7 +263,7 @@ impl Tracker {
         if self.n_missed >= self.settings.lost_after_scans {
             self.fit = Fit::Lost;
             if self.looks_now() {
-                self.look_anywhere(surface);
+                self.look_anywhere(view);
             }
         }
     }
@@ -260,23 +283,35 @@ impl Tracker {
         }
     }
 
-    /// Each look in vain doubles the pause: what did not fit anywhere will hardly fit soon.
+    /// Looks in vain make the pause longer: what did not fit anywhere will hardly fit soon.
     fn looks_now(&self) -> bool {
         let lost_for = self.n_missed.saturating_sub(self.settings.lost_after_scans);
         let pauses = lost_for / LOOK_EVERY;
         lost_for.is_multiple_of(LOOK_EVERY)
-            && ((pauses + 1).is_power_of_two() || pauses.is_multiple_of(LONGEST_PAUSE))
+            && (pauses < PATIENT_LOOKS || pauses.is_power_of_two() || pauses.is_multiple_of(LONGEST_PAUSE))
     }
 
     /// A lost robot looks for its place in the whole map.
-    pub fn look_anywhere(&mut self, surface: &[SurfacePoint]) -> bool {
-        let points = thinned(surface.iter().copied());
-        let Some(found) = self.search.anywhere(&self.atlas, &points, &self.settings.loops) else {
-            return false;
-        };
+    fn look_anywhere(&mut self, view: &View<'_>) {
+        let points = thinned(view.surface.iter().copied());
+        let Some(found) = self.search.anywhere(&self.atlas, &points, &self.settings.loops) else { return };
+        let (frame, frame_from_base) = (self.front.frame, self.frame_from_base);
+        let frames = self.front.frames().to_vec();
         self.stand(found.place, found.place_from_frame, &found.frames);
+        if !self.is_sure_of(view) {
+            self.stand(frame, frame_from_base, &frames);
+            return;
+        }
         (self.fit, self.n_missed, self.is_adrift) = (Fit::Placed, 0, false);
-        true
+        self.is_doubtful = false;
+    }
+
+    /// The scan fits where the robot was put, and contradicts nothing: what is alike in parts is not enough.
+    fn is_sure_of(&mut self, view: &View<'_>) -> bool {
+        let here = Prediction::around(self.frame_from_base);
+        let Some(found) = self.front.place(&self.atlas, view.surface, &here) else { return false };
+        self.frame_from_base = found.reference_from_scan;
+        found.fit() >= SURE_FIT && self.denied_share(view) <= HARDLY_DENIED
     }
 
     /// The robot is here, as seen from a key frame; how it came here says nothing.
@@ -299,6 +334,7 @@ impl Tracker {
         self.forget_motion();
         self.covariance = *covariance;
         (self.fit, self.n_missed, self.is_adrift) = (Fit::Guessed, 0, false);
+        self.is_doubtful = false;
         let off_m = |frame: &usize| {
             let off = self.atlas.pose(*frame).translation.vector - map_from_base.translation.vector;
             (off.norm() * 1e6) as u64

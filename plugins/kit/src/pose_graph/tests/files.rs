@@ -52,5 +52,7 @@ fn a_line_that_makes_no_graph_is_named_with_what_is_expected() {
         assert!(error.contains(words) && error.contains("rumbo-g2o"), "{words}: {error}");
         std::fs::remove_file(path).unwrap();
     }
-    assert!(read_g2o("no/such.g2o".as_ref()).unwrap_err().to_string().contains("give the path of a g2o file"));
+    assert!(
+        read_g2o("no/such.g2o".as_ref()).unwrap_err().to_string().contains("give the path of a g2o file")
+    );
 }

@@ -89,7 +89,8 @@ fn from_every_start_the_least_cost_is_that_of_a_dense_solver() {
     let expected = dense_cost(&graph);
     let tree = |graph: &mut PoseGraph| graph.start_from_tree();
     let chords = |graph: &mut PoseGraph| assert!(graph.start_from_chords());
-    let starts: [(&str, &dyn Fn(&mut PoseGraph)); 3] = [("file", &|_| {}), ("tree", &tree), ("chords", &chords)];
+    let starts: [(&str, &dyn Fn(&mut PoseGraph)); 3] =
+        [("file", &|_| {}), ("tree", &tree), ("chords", &chords)];
     for (name, start) in starts {
         let mut graph = graph.clone();
         start(&mut graph);

@@ -38,25 +38,34 @@ fn at_times(mut log: Vec<Vec<Observation>>) -> Vec<Vec<Observation>> {
     log
 }
 
-#[test]
-fn a_robot_that_is_carried_away_says_that_it_is_lost_or_finds_itself() {
+/// A round up to some step, and then, in no time, once more what was seen on other steps of it. The odometer has felt
+/// nothing of it.
+fn carried_away(n_before: usize, again: std::ops::Range<usize>) -> (Vec<Pose2>, Vec<Vec<Observation>>) {
     let mut poses = rounds(1);
-    let n_before = poses.len();
-    // From the last corner into the second corridor, in no time, and on from there for 8 meters.
-    poses.extend_from_within(220..300);
-    let mut log = log(&poses[..n_before], true);
-    log.extend_from_within(220..300);
-    // The odometer has felt nothing of it.
-    let Data::Odometry(last) = log[n_before - 1][0].data else { panic!() };
-    let Data::Odometry(first) = log[220][0].data else { panic!() };
-    for seen in &mut log[n_before..] {
-        let Data::Odometry(odometry) = &mut seen[0].data else { panic!() };
-        odometry.odom_from_base =
-            last.odom_from_base * first.odom_from_base.inverse() * odometry.odom_from_base;
+    let carried: Vec<Pose2> = poses[again.clone()].to_vec();
+    let all = log(&poses, true);
+    poses.truncate(n_before);
+    poses.extend(carried);
+    let odometer = |seen: &[Observation]| {
+        let Data::Odometry(odometry) = seen[0].data else { panic!() };
+        odometry.odom_from_base
+    };
+    let (last, first) = (odometer(&all[n_before - 1]), odometer(&all[again.start]));
+    let mut log = all[..n_before].to_vec();
+    for mut seen in all[again].iter().cloned() {
+        if let Data::Odometry(odometry) = &mut seen[0].data {
+            odometry.odom_from_base = last * first.inverse() * odometry.odom_from_base;
+        }
+        log.push(seen);
     }
+    (poses, at_times(log))
+}
+
+/// It is hardly ever sure of a wrong place, and finds itself in the end.
+fn finds_itself(n_before: usize, again: std::ops::Range<usize>) {
+    let (poses, log) = carried_away(n_before, again);
     let (mut slam, mut map) = started(&poses);
-    let estimates: Vec<Estimate> =
-        at_times(log).iter().map(|seen| step(&mut *slam, &mut map, seen)).collect();
+    let estimates: Vec<Estimate> = log.iter().map(|seen| step(&mut *slam, &mut map, seen)).collect();
     let is_wrong = |k: &usize| {
         estimates[*k].status == Status::Tracking && off_m(&estimates[*k].pose2(), &poses[*k]) > 0.3
     };
@@ -65,6 +74,35 @@ fn a_robot_that_is_carried_away_says_that_it_is_lost_or_finds_itself() {
     let (end, truth) = (estimates.last().unwrap(), poses.last().unwrap());
     assert_eq!(end.status, Status::Tracking);
     assert!(off_m(&end.pose2(), truth) < 0.1, "{}", off_m(&end.pose2(), truth));
+}
+
+#[test]
+fn a_robot_that_is_carried_away_says_that_it_is_lost_or_finds_itself() {
+    // From the last corner into the second corridor, and on from there for 8 meters.
+    finds_itself(rounds(1).len(), 220..300);
+}
+
+#[test]
+fn so_does_one_that_is_carried_six_meters_back_along_its_corridor() {
+    finds_itself(140, 80..135);
+}
+
+#[test]
+fn with_neither_scans_nor_an_odometer_for_long_it_is_not_sure_of_a_wrong_place() {
+    let poses = rounds(1);
+    let mut log = log(&poses, false);
+    let blind = 100..180;
+    for seen in &mut log[blind.clone()] {
+        seen[0].valid = false;
+    }
+    let (mut slam, mut map) = started(&poses);
+    for (k, seen) in log.iter().enumerate() {
+        let estimate = step(&mut *slam, &mut map, seen);
+        let off = off_m(&estimate.pose2(), &poses[k]);
+        let is_sure = estimate.status == Status::Tracking;
+        assert!(k < blind.start + 15 || !blind.contains(&k) || !is_sure, "{k}: it sees nothing");
+        assert!(!is_sure || off < 0.4 || blind.contains(&k), "{k}: sure of a place that is {off} m off");
+    }
 }
 
 #[test]

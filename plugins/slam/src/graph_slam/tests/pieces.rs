@@ -1,6 +1,7 @@
 //! Surfaces, the table of nearest points, registration.
 
 use super::building::{scan, scattered, walls};
+use crate::graph_slam::contradiction::{View, denied_share};
 use crate::graph_slam::nearest::NearestTable;
 use crate::graph_slam::registration::{Expected, RegistrationSettings, register};
 use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint, surface_of};
@@ -115,4 +116,26 @@ fn nothing_to_register_on_is_no_place() {
         &SETTINGS,
     );
     assert_eq!(far_off, None);
+}
+
+#[test]
+fn scans_deny_each_other_where_they_are_said_to_be_from_another_place() {
+    let walls = walls();
+    for k in 0..12 {
+        let (first, moved) = (pose2(3.0 + 0.5 * k as f64, 1.5, 0.2), pose2(0.2, -0.1, 0.15));
+        let scans = [scan(&walls, &first, k), scan(&walls, &(first * moved), k + 50)];
+        let surfaces = [surface(&scans[0]), surface(&scans[1])];
+        let mount = Pose3::identity();
+        let view = |idx: usize| View { scan: &scans[idx], base_from_sensor: &mount, surface: &surfaces[idx] };
+        let here = denied_share(&view(0), &view(1), &moved);
+        // Along the corridor, whose walls are the same there.
+        let along = (first.inverse() * pose2(6.0, 0.0, 0.0) * first).translation.vector;
+        let elsewhere = pose2(moved.translation.x + along.x, moved.translation.y + along.y, 0.15);
+        let there = denied_share(&view(0), &view(1), &elsewhere);
+        assert!(here < 0.03 && there > 0.05, "{k}: {here} at the place, {there} away from it");
+        assert_eq!(
+            denied_share(&view(0), &view(1), &moved),
+            denied_share(&view(1), &view(0), &moved.inverse())
+        );
+    }
 }

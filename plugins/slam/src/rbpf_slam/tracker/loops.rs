@@ -26,7 +26,7 @@ impl Tracker {
     /// Looks where the robot has come back to. Where the best guess is too far off to find that by itself, its way is bent,
     /// and all guesses go on from there.
     pub(super) fn look_for_loops(&mut self) {
-        if self.archive.len() % LOOK_EVERY != 0 || self.settings.closing.most_reach_m <= 0.0 {
+        if !self.archive.len().is_multiple_of(LOOK_EVERY) || self.settings.closing.most_reach_m <= 0.0 {
             return;
         }
         let way = self.filter.lineage().way_of(self.filter.best_index());
