@@ -44,7 +44,7 @@ mod tests {
                     rates_rad_s: rates.into(),
                     ..Imu::default()
                 };
-                let mount = Pose3::from_parts(Default::default(), base_from_imu);
+                let mount = Pose3::from_parts(nalgebra::Translation3::identity(), base_from_imu);
                 let found = yaw_rate_rad_s(&imu, &mount);
                 assert!((found - 0.4).abs() < 1e-4, "{seat:?}, {seconds} s: {found}");
             }
