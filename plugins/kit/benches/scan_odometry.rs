@@ -84,7 +84,7 @@ fn scan_that_fits_nothing(bencher: divan::Bencher) {
     for (k, range_m) in elsewhere.ranges_m.make_mut().iter_mut().enumerate() {
         *range_m = 3.0 + ((k * 7919) % 541) as f32 / 100.0;
     }
-    let settings = ScanOdometrySettings::default();
+    let settings = ScanOdometrySettings { far_retries: 3, ..ScanOdometrySettings::default() };
     let mut odometer = ScanOdometer::new(settings, Pose2::identity(), Matrix3::zeros());
     let no_step = (Pose2::identity(), Matrix3::identity() * 1e-3);
     odometer.take(&here, &Pose3::identity(), &no_step.0, &no_step.1);

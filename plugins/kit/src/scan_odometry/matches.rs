@@ -18,9 +18,6 @@ struct Match {
 /// Standard deviation of a normal distribution over the median of its absolute values.
 const NORMAL_OVER_MEDIAN: f64 = 1.4826;
 
-/// The kernel's width as a share of the distance of matches.
-const KERNEL_SHARE: f64 = 0.3;
-
 /// Matched points. Kept between scans.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Matches {
@@ -64,9 +61,10 @@ impl Matches {
     /// While the distance is still wide, what is far off is what shows the way: a pillar beside a corridor is a few points that
     /// all are off, and would be trimmed. The kernel is as wide then, and nothing is left out.
     pub fn equations(&mut self, settings: &ScanOdometrySettings, within_m: f64) -> Equations {
-        let is_wide = within_m > settings.least_match_m;
+        let is_wide = settings.kernel_share > 0.0 && within_m > settings.least_match_m;
         let most_m = self.most_m(if is_wide { 0.0 } else { settings.trim });
-        let huber_m = if is_wide { settings.huber_m.max(KERNEL_SHARE * within_m) } else { settings.huber_m };
+        let huber_m =
+            if is_wide { settings.huber_m.max(settings.kernel_share * within_m) } else { settings.huber_m };
         let mut equations = Equations::default();
         for one in self.matches.iter().filter(|one| one.residual_m.abs() <= most_m) {
             let size_m = one.residual_m.abs();

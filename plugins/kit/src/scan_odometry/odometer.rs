@@ -192,11 +192,14 @@ impl ScanOdometer {
             let again = registrar.register_from(key, points, (turned, &prior.key_from_base), prior, settings);
             best.give_way_to(again);
         }
+        if settings.far_retries == 0 {
+            return best;
+        }
         // What was predicted may be all wrong: the base may have stopped, been turned, or a stamp was late.
         let last = numbers(key_from_base);
         far.clear();
         if !best.status.is_good() {
-            let turns = both_sides(FAR_RETRIES * settings.n_retries, settings.retry_step_rad);
+            let turns = both_sides(settings.far_retries * settings.n_retries, settings.retry_step_rad);
             let places = turns.map(|turn_rad| last + Vector3::z() * turn_rad);
             far.extend(places.map(|place| (registrar.n_near(key, points, &place, settings), place)));
             far.sort_unstable_by_key(|(n_near, _)| std::cmp::Reverse(*n_near));
@@ -216,9 +219,6 @@ impl ScanOdometer {
 fn both_sides(n: usize, step_rad: f64) -> impl Iterator<Item = f64> {
     (1..=n).flat_map(move |k| [-1.0, 1.0].map(|side| side * k as f64 * step_rad))
 }
-
-/// Where nothing is found near the prediction, so many times as many directions are tried from where the base was.
-const FAR_RETRIES: usize = 3;
 
 /// So many of them, those that have most points near, are followed to their ends.
 const MOST_FAR: usize = 4;

@@ -63,6 +63,11 @@ pub struct ScanOdometrySettings {
     pub retry_step_rad: f64,
     /// So many of them to each side; none tries once.
     pub n_retries: usize,
+    /// Where nothing is found near the prior, so many times as many are tried from where the base was; none does not look there.
+    pub far_retries: usize,
+    /// While matches may still be far, residuals count fully up to this share of that distance, and none is left out; zero
+    /// treats them as at the end, as published.
+    pub kernel_share: f64,
 }
 
 impl Default for ScanOdometrySettings {
@@ -92,6 +97,8 @@ impl Default for ScanOdometrySettings {
             retry_support: 0.6,
             retry_step_rad: 0.1,
             n_retries: 4,
+            far_retries: 0,
+            kernel_share: 0.0,
         }
     }
 }

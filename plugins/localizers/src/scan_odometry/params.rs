@@ -222,6 +222,8 @@ impl ScanOdometryParams {
             retry_support: self.retry_support,
             retry_step_rad: self.retry_step_deg.to_radians(),
             n_retries: self.retries,
+            far_retries: 3,
+            kernel_share: 0.3,
             ..ScanOdometrySettings::default()
         }
     }

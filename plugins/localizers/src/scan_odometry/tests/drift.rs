@@ -68,7 +68,7 @@ fn along_an_unobserved_direction_the_doubt_grows_with_time_and_the_velocity_stay
         deviations_m.push(deviation(&drift.covariance(&odom_from_key, &key_from_base)));
         if k % 7 == 6 {
             drift.begin_key(&odom_from_key, &key_from_base);
-            odom_from_key *= std::mem::replace(&mut key_from_base, Pose2::identity());
+            odom_from_key *= std::mem::take(&mut key_from_base);
         }
     }
     assert_eq!(drift.twist().forward_m_s, 0.0, "nothing is learned where nothing is seen");
@@ -125,7 +125,7 @@ fn the_covariance_is_that_of_many_random_drives() {
             odom_from_key = pose2(at.x, at.y, at.z);
             if k % 5 == 4 {
                 drift.begin_key(&odom_from_key, &key_from_base);
-                odom_from_key *= std::mem::replace(&mut key_from_base, Pose2::identity());
+                odom_from_key *= std::mem::take(&mut key_from_base);
                 map_from_key = truth;
             }
         }
