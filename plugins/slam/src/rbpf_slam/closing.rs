@@ -114,8 +114,11 @@ impl Closing {
                 (best, least_score) = (Some(found), found.score);
             }
         }
-        let is_new = |known: &Recognized| ways_m.get(known.place).is_some_and(|way_m| *way_m > TRUSTED_WAY_M);
-        best.or(known.filter(is_new))
+        let Some(known) = known.filter(|_| best.is_none()) else { return best };
+        // A place that only a long way leads to is one only if there is none like it as far as the robot may have drifted.
+        let way_m = ways_m.get(known.place).copied().filter(|way_m| *way_m > TRUSTED_WAY_M)?;
+        let window = window(seen_from(known.place)?, [reach_of(way_m), REACH_RAD], MOST_RIVAL * known.score);
+        self.look((archive, way), known.place, &lately, &window, Some(MOST_RIVAL), settings)
     }
 
     /// Lays points on the surroundings of a place; the window is seen from it. With a share, none may fit elsewhere by more.
