@@ -61,7 +61,7 @@ fn scans(n_beams: usize) -> Vec<LaserScan> {
 }
 
 fn cycle(scans: &[LaserScan], levels: u32) {
-    let params = ScanMatchSlamParams { levels, ..ScanMatchSlamParams::default() };
+    let params = ScanMatchSlamParams { levels, polish: true, ..ScanMatchSlamParams::default() };
     let mut mapper = Mapper::start_at(&params, lane(0.0));
     let mut all = Times::default();
     for (k, scan) in scans.iter().enumerate() {
@@ -79,7 +79,7 @@ fn cycle(scans: &[LaserScan], levels: u32) {
 
 /// The parts, with true poses, so that every scan has the same work as in the plugin.
 fn parts(scans: &[LaserScan], levels: u32) {
-    let params = ScanMatchSlamParams { levels, ..ScanMatchSlamParams::default() };
+    let params = ScanMatchSlamParams { levels, polish: true, ..ScanMatchSlamParams::default() };
     let pyramid = Pyramid { resolution_m: 0.05, levels, block_cells: 256, max_cells: 100_000_000 };
     let evidence = Evidence::new(params.update_factor_free, params.update_factor_occupied, 0.01, 0.99);
     let mut mapper = ScanMapper::new(MapperSettings {
@@ -140,7 +140,7 @@ fn at_two_meters_a_second() {
             camera: Camera::Laser,
             seed,
         };
-        let params = ScanMatchSlamParams { levels: 3, ..ScanMatchSlamParams::default() };
+        let params = ScanMatchSlamParams { levels: 3, polish: true, ..ScanMatchSlamParams::default() };
         let outcome = drive(&LoopWorld::load(), &params, &course);
         let errors = wall_errors_m(&LoopWorld::load(), &outcome.map);
         let rms_m = (errors.iter().map(|v| v * v).sum::<f64>() / errors.len() as f64).sqrt();

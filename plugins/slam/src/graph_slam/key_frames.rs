@@ -7,8 +7,8 @@ use rumbo_core::frames::Pose2;
 
 /// After a loop so many frames are tied to neighbors that they could not trust before.
 const CATCH_UP: usize = 80;
-/// So many of them at one scan.
-const CATCH_UP_AT_ONCE: usize = 8;
+/// So many of them at one scan: all, for the same reason as that for the places of a look.
+const CATCH_UP_AT_ONCE: usize = CATCH_UP;
 
 /// A loop that moves two frames in a row so far against each other is a false one, meters.
 const MOST_TORN_M: f64 = 0.5;
@@ -56,9 +56,8 @@ impl Tracker {
             }
         }
         let Some(mut look) = self.look.take() else { return };
-        let LoopSettings { most_places, .. } = self.settings.loops;
-        // All of them until the next look begins, should each scan become a key frame.
-        let n_places = most_places.div_ceil(self.settings.look_for_loops_every).max(1);
+        // All at once: spread over several scans the maps of real logs came out a little worse.
+        let n_places = look.places.len();
         self.search.go_on(&self.atlas, &mut look, &self.settings.loops, n_places);
         match look.best {
             _ if !look.places.is_empty() => self.look = Some(look),

@@ -249,7 +249,9 @@ impl Tracker {
                 (POOR_FIT, MOST_DENIED)
             };
             let denied_share = self.denied_share(view);
-            if found.fit() >= least_fit && denied_share <= most_denied {
+            // A doubt was none when nothing is denied any more.
+            let is_fine = !self.is_doubtful && found.fit() >= POOR_FIT && denied_share <= HARDLY_DENIED;
+            if is_fine || found.fit() >= least_fit && denied_share <= most_denied {
                 self.fit = Fit::Placed;
                 (self.n_missed, self.is_doubtful) = (0, false);
                 return;

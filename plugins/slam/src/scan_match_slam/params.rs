@@ -78,7 +78,7 @@ pub struct ScanMatchSlamParams {
     /// Steps on each coarser level.
     pub coarse_iterations: u32,
     /// A match ends on the surfaces that scans have seen in the cells, rather than on the cells: an error of millimeters
-    /// instead of a part of a cell.
+    /// instead of a part of a cell. Off by default: better on most logs, not on the longest corridors.
     pub polish: bool,
     /// On surfaces, a point this far off counts half, meters.
     pub surface_doubt_m: f64,
@@ -162,7 +162,7 @@ impl Default for ScanMatchSlamParams {
             turn_acceleration_deg_s2: 115.0,
             finest_iterations: 12,
             coarse_iterations: 4,
-            polish: true,
+            polish: false,
             surface_doubt_m: 0.03,
             surface_deviation_m: 0.025,
             covariance: CovarianceRule::Curvature,

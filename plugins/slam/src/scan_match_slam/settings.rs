@@ -102,7 +102,7 @@ impl ScanMatchSlamParams {
                 covariance: CovarianceSettings { rule: self.covariance, ..CovarianceSettings::default() },
                 // What the cells leave, the surfaces in them take away.
                 finest_converge_cells: if self.polish { 0.1 } else { 0.0 },
-                ..MatchSettings::quick()
+                ..if self.polish { MatchSettings::quick() } else { MatchSettings::default() }
             },
             polish: self.polish.then(|| PolishSettings {
                 deviation_m: self.surface_deviation_m,
