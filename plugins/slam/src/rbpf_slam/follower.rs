@@ -24,6 +24,8 @@ pub struct FollowSettings {
     pub min_points: usize,
     /// Share of the information of all pairs that is believed: neighboring points err alike.
     pub believed_share: f64,
+    /// The share that guesses are spread by.
+    pub spread_share: f64,
     /// Share of a scan's points that must have a partner.
     pub least_overlap: f64,
     /// How well these must agree.
@@ -70,10 +72,6 @@ const HALF_AT: f64 = 2.0;
 /// Times that it is doubted, and a doubt that makes no difference.
 const MOST_DOUBTS: usize = 2;
 const LEAST_DOUBT: f64 = 1.5;
-
-/// Against the odometer less of a registration is believed than it is worth, since both may be quite wrong; guesses are
-/// spread by this much more of it. Two loops of a real log were open by a third of the deviations that the lesser share gives.
-const SPREAD_SHARE: f64 = 2.5;
 
 /// Factor of the covariance of what was expected, given what was found.
 fn doubt(expected: &Pose2, found: &Pose2, covariance: &Matrix3<f64>) -> f64 {
@@ -218,7 +216,7 @@ impl Follower {
         let floor = Matrix3::from_diagonal(&Vector3::new(off_m * off_m, off_m * off_m, off_rad * off_rad));
         let both = placed.and_then(|placed| {
             let known = by_odometer.try_inverse()?;
-            (placed.information * (SPREAD_SHARE * self.settings.believed_share) + known).try_inverse()
+            (placed.information * self.settings.spread_share + known).try_inverse()
         });
         let covariance = both.map_or(by_odometer, |both| both + floor);
         Followed {

@@ -6,7 +6,7 @@ use crate::graph_slam::surface::SurfaceLimits;
 use crate::rbpf_slam::closing::ClosingSettings;
 use crate::rbpf_slam::follower::FollowSettings;
 use crate::rbpf_slam::motion::MotionNoise;
-use crate::rbpf_slam::settings::{FilterSettings, TrackerSettings};
+use crate::rbpf_slam::settings::{FilterSettings, ProposalRule, TrackerSettings};
 use rumbo_core::stages::BuildError;
 use rumbo_kit::occupancy::{BeamLimits, Evidence, FreeSpace};
 use rumbo_kit::scan_match::{MatchGate, MatchSettings, ScanPreparation};
@@ -99,10 +99,21 @@ impl RbpfSlamParams {
             n_recent: self.recent_scans as usize,
             min_points: self.min_points as usize,
             believed_share: self.believed_share,
+            spread_share: self.spread_share(),
             least_overlap: self.least_overlap,
             least_agreement: self.least_agreement,
             unseen_turn_rad: self.unseen_turn_deg.to_radians(),
             floor: [self.step_floor_m, self.step_floor_deg.to_radians()],
+        }
+    }
+
+    /// Against the odometer less of a registration is believed than it is worth, since both may be quite wrong. Guesses are
+    /// spread by more of it: two loops of a real log were open by a third of the deviations that the lesser share gives. Tried
+    /// poses need the room between them.
+    fn spread_share(&self) -> f64 {
+        match self.proposal {
+            ProposalRule::Sampled => self.believed_share,
+            ProposalRule::Curvature => 2.5 * self.believed_share,
         }
     }
 

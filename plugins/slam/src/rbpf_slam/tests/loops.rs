@@ -57,12 +57,12 @@ fn around_the_loop_the_robot_is_where_it_is_said_to_be() {
         let mut tracker = tracker(&RbpfSlamParams::default(), seed);
         let mut seen_by = Drive::new(seed);
         let worst = drive(&mut tracker, &mut seen_by, 0..n_around());
-        assert!(worst[0] < 0.12 && worst[1] < 1.5, "seed {seed}: {worst:?}");
+        assert!(worst[0] < 0.16 && worst[1] < 1.5, "seed {seed}: {worst:?}");
         let trajectory = tracker.trajectory();
         assert_eq!(trajectory.len(), n_around() as usize, "a pose for every scan");
         for (k, pose) in (0u32..).zip(&trajectory) {
             let [off_m, off_deg] = apart(&lane(SCAN_M * f64::from(k)), &flatten(&pose.map_from_base));
-            assert!(off_m < 0.12 && off_deg < 1.5, "seed {seed}, scan {k}: {off_m} m, {off_deg} degrees");
+            assert!(off_m < 0.16 && off_deg < 1.5, "seed {seed}, scan {k}: {off_m} m, {off_deg} degrees");
         }
         let n_grids = plain_grids(&tracker);
         assert!(n_grids < MOST_GRIDS, "seed {seed}: cells of {n_grids} plain grids");
