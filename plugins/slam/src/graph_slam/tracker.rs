@@ -5,7 +5,7 @@ use super::contradiction::{View, denied_share};
 use super::front_end::{FrontEnd, Prediction, SURE_FIT};
 use super::gyro::{Gyro, Heading};
 use super::loops::{Look, LoopSearch, LoopSettings, frames_of, thinned};
-use super::surface::{SurfaceLimits, SurfacePoint, surface_of};
+use super::surface::{SurfaceLimits, surface_of};
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, Pose3, lift};
 use rumbo_core::messages::{LaserScan, StampedPose};

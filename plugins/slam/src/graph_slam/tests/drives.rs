@@ -60,7 +60,7 @@ fn two_rounds_with_a_bad_odometer_end_on_the_truth_and_so_do_all_scans_and_walls
         (errors.iter().copied().fold(0.0, f64::max), errors.iter().sum::<f64>() / errors.len() as f64);
     assert!(most < 0.06 && mean < 0.025, "{most} m, mean {mean} m");
     let grid = map.grid.unwrap();
-    let class = |x: f64, y: f64| grid.class(grid.cell_at(rumbo_core::frames::Point2::new(x, y)).unwrap());
+    let class = |x: f64, y: f64| grid.class(grid.cell_at(Point2::new(x, y)).unwrap());
     assert_eq!(class(10.0, 1.5), CellClass::Free);
     assert_eq!(class(10.0, 7.0), CellClass::Unknown);
     let walls_at =
