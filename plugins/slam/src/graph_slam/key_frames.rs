@@ -1,7 +1,7 @@
 //! When a scan becomes a key frame, and what follows from that: ties, loops, an optimization.
 
 use super::atlas::KeyFrame;
-use super::loops::{Look, LoopSettings, Recognized};
+use super::loops::{Look, Recognized};
 use super::tracker::Tracker;
 use rumbo_core::frames::Pose2;
 
