@@ -70,7 +70,7 @@ pub(super) struct Recognized {
     pub frames: Vec<usize>,
 }
 
-/// A search for a place of an earlier visit: it is done a few places at a time, so that no scan waits for long.
+/// A search for a place of an earlier visit, which can be done a few places at a time.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Look {
     /// Frame that is looked for.

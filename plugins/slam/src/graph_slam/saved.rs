@@ -2,7 +2,7 @@
 
 use super::atlas::{Atlas, KeyFrame};
 use super::gyro::{Gyro, Heading};
-use super::loops::{Look, Recognized, frames_of};
+use super::saved_look::{look, put_look};
 use super::surface::surface_of;
 use super::tracker::{Before, Fit, Track, Tracker, TrackerSettings};
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion};
@@ -77,21 +77,6 @@ fn put_robot(to: &mut Vec<u8>, tracker: &Tracker) {
     put_count(to, tracker.n_loops);
     tracker.catch_up.iter().for_each(|frame| put_count(to, *frame));
     put_some(to, tracker.look.as_ref(), put_look);
-}
-
-fn put_look(to: &mut Vec<u8>, look: &Look) {
-    put_count(to, look.frame);
-    put_count(to, usize::from(look.is_wide));
-    put_count(to, look.places.len());
-    for (place, way_m) in &look.places {
-        put_count(to, *place);
-        to.extend(way_m.to_le_bytes());
-    }
-    put_some(to, look.best.as_ref(), |to, best| {
-        put_count(to, best.place);
-        put_pose(to, &best.place_from_frame);
-        to.extend(best.score.to_le_bytes());
-    });
 }
 
 /// The state that was saved.
@@ -185,19 +170,7 @@ fn robot(from: &mut Reader<'_>, tracker: &mut Tracker) -> Option<()> {
     (tracker.catch_up[1] <= n_known).then_some(())
 }
 
-fn look(from: &mut Reader<'_>, atlas: &Atlas) -> Option<Look> {
-    let known = |frame: usize| (frame < atlas.frames.len()).then_some(frame);
-    let (frame, is_wide, n_places) = (known(count(from)?)?, count(from)? != 0, count(from)?);
-    let place = |from: &mut Reader<'_>| Some((known(count(from)?)?, from.f64()?));
-    let places = (0..n_places).map(|_| place(from)).collect::<Option<Vec<_>>>()?;
-    let best = some(from, |from| {
-        let (place, place_from_frame, score) = (known(count(from)?)?, pose(from)?, from.f64()?);
-        Some(Recognized { place, place_from_frame, score, frames: frames_of(atlas, place) })
-    })?;
-    Some(Look { frame, is_wide, places, best })
-}
-
-fn put_count(to: &mut Vec<u8>, count: usize) {
+pub(super) fn put_count(to: &mut Vec<u8>, count: usize) {
     to.extend((count as u32).to_le_bytes());
 }
 
@@ -205,12 +178,12 @@ fn put_numbers<'a>(to: &mut Vec<u8>, numbers: impl Iterator<Item = &'a f64>) {
     numbers.for_each(|v| to.extend(v.to_le_bytes()));
 }
 
-fn put_pose(to: &mut Vec<u8>, pose: &Pose2) {
+pub(super) fn put_pose(to: &mut Vec<u8>, pose: &Pose2) {
     // The parts of the rotation as they are: an angle would lose its last bits.
     put_numbers(to, [pose.translation.x, pose.translation.y, pose.rotation.re, pose.rotation.im].iter());
 }
 
-fn put_some<T>(to: &mut Vec<u8>, value: Option<&T>, put: impl Fn(&mut Vec<u8>, &T)) {
+pub(super) fn put_some<T>(to: &mut Vec<u8>, value: Option<&T>, put: impl Fn(&mut Vec<u8>, &T)) {
     put_count(to, usize::from(value.is_some()));
     if let Some(value) = value {
         put(to, value);
@@ -243,7 +216,7 @@ fn put_constraint(to: &mut Vec<u8>, link: &Constraint) {
     to.extend(f64::to_le_bytes(c));
 }
 
-fn count(from: &mut Reader<'_>) -> Option<usize> {
+pub(super) fn count(from: &mut Reader<'_>) -> Option<usize> {
     from.u32().map(|count| count as usize)
 }
 
@@ -255,14 +228,17 @@ fn numbers<const N: usize>(from: &mut Reader<'_>) -> Option<[f64; N]> {
     Some(numbers)
 }
 
-fn pose(from: &mut Reader<'_>) -> Option<Pose2> {
+pub(super) fn pose(from: &mut Reader<'_>) -> Option<Pose2> {
     let [x, y, re, im] = numbers(from)?;
     let mut pose = pose2(x, y, 0.0);
     pose.rotation = nalgebra::UnitComplex::new_unchecked(nalgebra::Complex::new(re, im));
     (is_finite2(&pose) && (re.hypot(im) - 1.0).abs() < 1e-6).then_some(pose)
 }
 
-fn some<'b, T>(from: &mut Reader<'b>, get: impl Fn(&mut Reader<'b>) -> Option<T>) -> Option<Option<T>> {
+pub(super) fn some<'b, T>(
+    from: &mut Reader<'b>,
+    get: impl Fn(&mut Reader<'b>) -> Option<T>,
+) -> Option<Option<T>> {
     if count(from)? == 0 { Some(None) } else { get(from).map(Some) }
 }
 

@@ -1,0 +1,137 @@
+//! Does a scan fit where the robot should be? If not for long, the robot is lost and looks for its place in the whole map.
+
+use super::contradiction::{View, denied_share};
+use super::front_end::{Prediction, SURE_FIT};
+use super::loops::thinned;
+use super::tracker::{Fit, Tracker};
+use nalgebra::Matrix3;
+
+/// A robot whose scans fit no better than this for some time is somewhere else.
+const POOR_FIT: f64 = 0.6;
+/// Nor is one that meets things where the key frame before saw free space, or the other way round: share of what both see.
+const MOST_DENIED: f64 = 0.1;
+/// A robot that has doubted its place is sure again where no more than this contradicts it.
+const SURELY_DENIED: f64 = 0.05;
+/// Nor is a place that was searched for in the whole map taken where more does: corners of buildings are alike.
+const HARDLY_DENIED: f64 = 0.03;
+/// Narrower views are not judged so: what a depth camera sees of low things changes with how far away they are, and a
+/// robot that waited for a good fit would have turned away from all that it could be registered on.
+const NARROW_RAD: f64 = std::f64::consts::FRAC_PI_2;
+/// So many scans in a row may fit badly before it takes a good one to be sure again.
+const MISSED_BY_CHANCE: u32 = 2;
+/// Lost robots look for themselves every so many scans ...
+const LOOK_EVERY: u32 = 10;
+/// ... this often; then the pause doubles with each look in vain ...
+const PATIENT_LOOKS: u32 = 8;
+/// ... up to so many times as long.
+const LONGEST_PAUSE: u32 = 32;
+
+fn is_narrow(view: &View<'_>) -> bool {
+    view.scan.bearing_step_rad.abs() * (view.scan.ranges_m.len() as f64) < NARROW_RAD
+}
+
+impl Tracker {
+    pub(super) fn place(&mut self, view: &View<'_>, prediction: &Prediction) {
+        let surface = view.surface;
+        if self.atlas.frames.is_empty() {
+            self.fit = if surface.len() < self.settings.min_points { Fit::Guessed } else { Fit::Placed };
+            return;
+        }
+        if surface.len() < self.settings.min_points {
+            self.left_out.too_few_points += 1;
+            self.guess(prediction);
+            return;
+        }
+        // A lost robot would take the next best corridor for the one that it remembers.
+        let is_lost = self.fit == Fit::Lost;
+        // Nor is what was seen before a long way without scans any help.
+        self.is_adrift |= prediction.is_far;
+        self.is_doubtful |= prediction.is_blind;
+        let found = if is_lost || prediction.is_far {
+            None
+        } else {
+            self.front.place(&self.atlas, surface, prediction)
+        };
+        if let Some(found) = found {
+            self.frame_from_base = found.reference_from_scan;
+            let information = found.information * self.settings.tie.believed_share;
+            let [off_m, off_rad] = prediction.deviation;
+            let known = nalgebra::Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
+            let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
+            self.covariance = inverse.unwrap_or(self.covariance);
+            // A robot that was carried away must not settle where it fits least badly.
+            let (least_fit, most_denied) = if is_narrow(view) {
+                (0.0, 1.0)
+            } else if self.is_doubtful || self.n_missed > MISSED_BY_CHANCE {
+                (SURE_FIT, SURELY_DENIED)
+            } else {
+                (POOR_FIT, MOST_DENIED)
+            };
+            let denied_share = self.denied_share(view);
+            // A doubt was none when nothing is denied any more.
+            let is_fine = !self.is_doubtful && found.fit() >= POOR_FIT && denied_share <= HARDLY_DENIED;
+            if is_fine || found.fit() >= least_fit && denied_share <= most_denied {
+                self.fit = Fit::Placed;
+                (self.n_missed, self.is_doubtful) = (0, false);
+                return;
+            }
+            self.fit = Fit::Guessed;
+        } else {
+            self.left_out.unplaced += 1;
+            self.guess(prediction);
+        }
+        self.n_missed += 1;
+        if self.n_missed >= self.settings.lost_after_scans {
+            self.fit = Fit::Lost;
+            if self.looks_now() {
+                self.look_anywhere(view);
+            }
+        }
+    }
+
+    /// How much of the scan contradicts the key frame that the robot is seen from.
+    fn denied_share(&self, view: &View<'_>) -> f64 {
+        let Some(frame) = self.atlas.frames.get(self.front.frame) else { return 0.0 };
+        denied_share(&frame.view(), view, &self.frame_from_base)
+    }
+
+    fn guess(&mut self, prediction: &Prediction) {
+        let [off_m, off_rad] = prediction.deviation;
+        let more = nalgebra::Vector3::new(off_m.powi(2), off_m.powi(2), off_rad.powi(2));
+        self.covariance += Matrix3::from_diagonal(&more);
+        if self.fit == Fit::Placed {
+            self.fit = Fit::Guessed;
+        }
+    }
+
+    /// Looks in vain make the pause longer: what did not fit anywhere will hardly fit soon.
+    fn looks_now(&self) -> bool {
+        let lost_for = self.n_missed.saturating_sub(self.settings.lost_after_scans);
+        let pauses = lost_for / LOOK_EVERY;
+        lost_for.is_multiple_of(LOOK_EVERY)
+            && (pauses < PATIENT_LOOKS || pauses.is_power_of_two() || pauses.is_multiple_of(LONGEST_PAUSE))
+    }
+
+    /// A lost robot looks for its place in the whole map.
+    fn look_anywhere(&mut self, view: &View<'_>) {
+        let points = thinned(view.surface.iter().copied());
+        let Some(found) = self.search.anywhere(&self.atlas, &points, &self.settings.loops) else { return };
+        let (frame, frame_from_base) = (self.front.frame, self.frame_from_base);
+        let frames = self.front.frames().to_vec();
+        self.stand(found.place, found.place_from_frame, &found.frames);
+        if !self.is_sure_of(view) {
+            self.stand(frame, frame_from_base, &frames);
+            return;
+        }
+        (self.fit, self.n_missed, self.is_adrift) = (Fit::Placed, 0, false);
+        self.is_doubtful = false;
+    }
+
+    /// The scan fits where the robot was put, and contradicts nothing: what is alike in parts is not enough.
+    fn is_sure_of(&mut self, view: &View<'_>) -> bool {
+        let here = Prediction::around(self.frame_from_base);
+        let Some(found) = self.front.place(&self.atlas, view.surface, &here) else { return false };
+        self.frame_from_base = found.reference_from_scan;
+        found.fit() >= SURE_FIT && self.denied_share(view) <= HARDLY_DENIED
+    }
+}
