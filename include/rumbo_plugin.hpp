@@ -285,7 +285,7 @@ struct table_of<T, slam> {
         return guarded(error, [&] { static_cast<T *>(self)->relocate(*prior, map); });
     }
     static constexpr rumbo_slam_table table = { sizeof(rumbo_slam_table), destroy<T>, start, update, save,
-                                                trajectory, relocate };
+                                                trajectory, relocate, nullptr };
 };
 
 template <class T>

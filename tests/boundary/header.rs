@@ -128,6 +128,7 @@ fn layout_lines() -> String {
         rumbo_manifest {
             size, needs_layers, gives_layers, produces, drives, n_consumes, consumes, overlays, is_virtual,
             needs_start_pose, wishes_motion, default_rate_hz, max_rate_hz, uses, reserved,
+            field_of_view_rad,
         }
         rumbo_robot {
             size, drive, guard_stop_zone, track_m, wheelbase_m, max_steer_deg, max_steer_rate_deg_s, radius_m,

@@ -199,6 +199,8 @@ pub struct rumbo_manifest {
     pub uses: u32,
     /// 0.
     pub reserved: u32,
+    /// How wide a range sensor sees to its sides, radians in all; not-a-number of what has no such view (since 1.1).
+    pub field_of_view_rad: f64,
 }
 
 /// The robot.

@@ -81,13 +81,14 @@ pub(crate) fn manifest_of(manifest: &Manifest) -> rumbo_manifest {
         max_rate_hz: manifest.max_rate_hz.unwrap_or(f64::NAN),
         uses: bits(&manifest.uses, &KINDS),
         reserved: 0,
+        field_of_view_rad: manifest.field_of_view_rad.unwrap_or(f64::NAN),
     }
 }
 
 /// The manifest behind a struct of bits.
 pub(crate) fn manifest_from(view: &rumbo_manifest) -> Result<Manifest, BadView> {
     let groups = view.consumes.iter().take(view.n_consumes as usize);
-    let rate = |hz: f64| (!hz.is_nan()).then_some(hz);
+    let known = |value: f64| (!value.is_nan()).then_some(value);
     Ok(Manifest {
         needs_layers: values(view.needs_layers, &LAYERS, "layers")?,
         gives_layers: values(view.gives_layers, &LAYERS, "layers")?,
@@ -97,10 +98,9 @@ pub(crate) fn manifest_from(view: &rumbo_manifest) -> Result<Manifest, BadView> 
         produces: values(view.produces, &KINDS, "observations")?,
         is_virtual: view.is_virtual != 0,
         drives: values(view.drives, &DRIVES, "drives")?,
-        default_rate_hz: rate(view.default_rate_hz),
-        max_rate_hz: rate(view.max_rate_hz),
-        // Libraries do not tell it.
-        field_of_view_rad: None,
+        default_rate_hz: known(view.default_rate_hz),
+        max_rate_hz: known(view.max_rate_hz),
+        field_of_view_rad: known(view.field_of_view_rad),
         needs_start_pose: view.needs_start_pose != 0,
         wishes_motion: view.wishes_motion != 0,
     })
