@@ -899,6 +899,8 @@ typedef struct rumbo_manifest {
     uint32_t uses;
     // 0.
     uint32_t reserved;
+    // How wide a range sensor sees to its sides, radians in all; not-a-number of what has no such view (since 1.1).
+    double field_of_view_rad;
 } rumbo_manifest;
 
 // Takes faults of parameters.
