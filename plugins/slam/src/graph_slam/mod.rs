@@ -15,6 +15,7 @@ pub(crate) mod nearest;
 mod params;
 mod placing;
 mod plugin;
+pub(crate) mod point_table;
 mod predicting;
 pub(crate) mod registration;
 mod saved;

@@ -2,7 +2,7 @@
 
 use super::contradiction::{View, denied_share};
 use super::front_end::{Prediction, SURE_FIT};
-use super::loops::thinned;
+use super::point_table::thinned;
 use super::tracker::{Fit, Tracker};
 use nalgebra::Matrix3;
 

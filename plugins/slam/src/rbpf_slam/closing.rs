@@ -9,13 +9,14 @@ mod sheet;
 
 use super::archive::Archive;
 use crate::graph_slam::nearest::NearestTable;
+use crate::graph_slam::point_table::{RESOLUTION_M, points_of, table_of, thinned};
 use crate::graph_slam::registration::{Expected, Registered, RegistrationSettings, register};
 use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint};
 use nalgebra::Matrix3;
 use places::{TRUSTED_WAY_M, along, around, places_of};
-use rumbo_core::frames::{Point2, Pose2};
+use rumbo_core::frames::Pose2;
 use rumbo_kit::correlative::{Apart, CorrelativeSearch, SearchWindow, turn_step_rad};
-use sheet::{CELL_M, surfaces, table_of, thinned};
+use sheet::surfaces;
 
 /// How places are recognized.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,7 +88,7 @@ impl Closing {
             return None;
         }
         let oldest = way.len().saturating_sub(N_LATELY);
-        let lately = thinned(&surfaces(archive, way, oldest..way.len(), here, &settings.limits));
+        let lately = thinned(surfaces(archive, way, oldest..way.len(), here, &settings.limits).into_iter());
         let seen_from = |place: usize| Some(way.get(place)?.inverse() * way.get(here)?);
         // Where the robot believes that it is, seen from any earlier visit ...
         let mut known: Option<Recognized> = None;
@@ -133,11 +134,10 @@ impl Closing {
     ) -> Option<Recognized> {
         let sheet = surfaces(archive, way, around(archive, way, place), place, &settings.limits);
         let (table, grid_from_place) = table_of(&sheet)?;
-        let points: Vec<Point2> =
-            lately.iter().map(|point| Point2::new(point.at[0].into(), point.at[1].into())).collect();
+        let points = points_of(lately);
         let window = SearchWindow {
             grid_from_base: grid_from_place * window.grid_from_base,
-            step_rad: turn_step_rad(&points, CELL_M).max(0.008),
+            step_rad: turn_step_rad(&points, RESOLUTION_M).max(0.008),
             ..*window
         };
         let best = self.search.best(&table, &points, &window, None).ok()??;
