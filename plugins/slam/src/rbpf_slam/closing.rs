@@ -33,6 +33,12 @@ pub struct ClosingSettings {
     pub(crate) least_agreement: f64,
 }
 
+impl ClosingSettings {
+    fn reach_m(&self, way_m: f64) -> f64 {
+        (LEAST_REACH_M + self.drift_share * way_m).min(self.most_reach_m)
+    }
+}
+
 /// A place that the robot has come back to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recognized {
@@ -82,56 +88,66 @@ impl Closing {
     ) -> Option<Recognized> {
         let here = way.len().checked_sub(1)?;
         let ways_m = archive.ways_from(here, way);
-        let reach_of = |way_m: f64| (LEAST_REACH_M + settings.drift_share * way_m).min(settings.most_reach_m);
-        let places = places_of(archive, way, &ways_m, &|way_m| reach_of(way_m) + 1.0);
+        let reaches_m: Vec<f64> = ways_m.iter().map(|way_m| settings.reach_m(*way_m)).collect();
+        let places = places_of(archive, way, &ways_m, &|step| reaches_m.get(step).map_or(0.0, |m| m + 1.0));
         if places.is_empty() {
             return None;
         }
         let oldest = way.len().saturating_sub(N_LATELY);
         let lately = thinned(surfaces(archive, way, oldest..way.len(), here, &settings.limits).into_iter());
-        let seen_from = |place: usize| Some(way.get(place)?.inverse() * way.get(here)?);
-        // Where the robot believes that it is, seen from any earlier visit ...
-        let mut known: Option<Recognized> = None;
-        for place in places_of(archive, way, &along(way), &|_| KNOWN_PLACES_M) {
-            let Some(place_from_here) = seen_from(place) else { continue };
-            let least_score = known.map_or(settings.least_score, |known| known.score);
-            let window = window(place_from_here, KNOWN_REACH, least_score);
-            known = self.look((archive, way), place, &lately, &window, None, settings).or(known);
-        }
-        // ... it is, unless it fits clearly better elsewhere.
-        let mut best = None;
-        let mut least_score =
+        let seen = Seen { archive, way, settings, lately, reaches_m };
+        // Where the robot believes that it is, it is, unless it fits clearly better elsewhere.
+        let known = self.known(&seen);
+        let least_score =
             known.map_or(settings.least_score, |known| settings.least_score.max(known.score / MOST_RIVAL));
-        for place in &places {
+        let elsewhere = self.elsewhere(&seen, &places, least_score);
+        if !elsewhere.is_empty() {
+            return without_rival(&elsewhere, way);
+        }
+        // A place that only a long way leads to is one only if there is none like it as far as the robot may have drifted.
+        let known =
+            known.filter(|known| ways_m.get(known.place).is_some_and(|way_m| *way_m > TRUSTED_WAY_M))?;
+        let window = seen.window(known.place, None, MOST_RIVAL * known.score)?;
+        self.look(&seen, known.place, &window, Some(MOST_RIVAL))
+    }
+
+    /// Where the robot believes that it is, seen from the earlier visit that it fits best.
+    fn known(&mut self, seen: &Seen<'_>) -> Option<Recognized> {
+        let mut known: Option<Recognized> = None;
+        for place in places_of(seen.archive, seen.way, &along(seen.way), &|_| KNOWN_PLACES_M) {
+            let least_score = known.map_or(seen.settings.least_score, |known| known.score);
+            let Some(window) = seen.window(place, Some(KNOWN_REACH), least_score) else { continue };
+            known = self.look(seen, place, &window, None).or(known);
+        }
+        known
+    }
+
+    /// Places that fit better than this, and those that fit nearly as well as the best of them.
+    fn elsewhere(&mut self, seen: &Seen<'_>, places: &[usize], least_score: f64) -> Vec<Recognized> {
+        let mut all: Vec<Recognized> = Vec::new();
+        let mut least_score = least_score;
+        for place in places {
             if least_score >= 1.0 {
                 break;
             }
-            let Some(place_from_here) = seen_from(*place) else { continue };
-            let way_m = ways_m.get(*place).copied().unwrap_or(f64::INFINITY);
-            let window = window(place_from_here, [reach_of(way_m), REACH_RAD], least_score);
-            if let Some(found) =
-                self.look((archive, way), *place, &lately, &window, Some(MOST_RIVAL), settings)
-            {
-                (best, least_score) = (Some(found), found.score);
+            let Some(window) = seen.window(*place, None, least_score) else { continue };
+            if let Some(found) = self.look(seen, *place, &window, Some(MOST_RIVAL)) {
+                least_score = least_score.max(MOST_RIVAL * found.score);
+                all.push(found);
             }
         }
-        let Some(known) = known.filter(|_| best.is_none()) else { return best };
-        // A place that only a long way leads to is one only if there is none like it as far as the robot may have drifted.
-        let way_m = ways_m.get(known.place).copied().filter(|way_m| *way_m > TRUSTED_WAY_M)?;
-        let window = window(seen_from(known.place)?, [reach_of(way_m), REACH_RAD], MOST_RIVAL * known.score);
-        self.look((archive, way), known.place, &lately, &window, Some(MOST_RIVAL), settings)
+        all
     }
 
     /// Lays points on the surroundings of a place; the window is seen from it. With a share, none may fit elsewhere by more.
     fn look(
         &mut self,
-        (archive, way): (&Archive, &[Pose2]),
+        seen: &Seen<'_>,
         place: usize,
-        lately: &[SurfacePoint],
         window: &SearchWindow,
         most_rival: Option<f64>,
-        settings: &ClosingSettings,
     ) -> Option<Recognized> {
+        let Seen { archive, way, settings, lately, .. } = seen;
         let sheet = surfaces(archive, way, around(archive, way, place), place, &settings.limits);
         let (table, grid_from_place) = table_of(&sheet)?;
         let points = points_of(lately);
@@ -167,15 +183,45 @@ impl Closing {
     }
 }
 
-fn window(place_from_here: Pose2, [reach_m, reach_rad]: [f64; 2], least_score: f64) -> SearchWindow {
-    SearchWindow {
-        grid_from_base: place_from_here,
-        reach_m,
-        reach_rad,
-        step_rad: 0.0,
-        least_score,
-        most_nodes: MOST_NODES,
+/// What the robot has seen, and how far off it may be.
+struct Seen<'a> {
+    archive: &'a Archive,
+    way: &'a [Pose2],
+    settings: &'a ClosingSettings,
+    /// From the newest step.
+    lately: Vec<SurfacePoint>,
+    /// From each step.
+    reaches_m: Vec<f64>,
+}
+
+impl Seen<'_> {
+    /// Seen from a place; as wide as the robot may be off where nothing else is said.
+    fn window(&self, place: usize, reach: Option<[f64; 2]>, least_score: f64) -> Option<SearchWindow> {
+        let [reach_m, reach_rad] =
+            reach.or(self.reaches_m.get(place).map(|reach_m| [*reach_m, REACH_RAD]))?;
+        Some(SearchWindow {
+            grid_from_base: self.way.get(place)?.inverse() * self.way.last()?,
+            reach_m,
+            reach_rad,
+            step_rad: 0.0,
+            least_score,
+            most_nodes: MOST_NODES,
+        })
     }
+}
+
+/// The place that fits best, unless another one fits about as well elsewhere on the map.
+fn without_rival(places: &[Recognized], way: &[Pose2]) -> Option<Recognized> {
+    let map_from_here = |found: &Recognized| Some(way.get(found.place)? * found.place_from_here);
+    let best = places.iter().max_by(|a, b| a.score.total_cmp(&b.score))?;
+    let here_from_map = map_from_here(best)?.inverse();
+    let is_rival = |other: &Recognized| {
+        let Some(off) = map_from_here(other).map(|pose| here_from_map * pose) else { return false };
+        let is_elsewhere =
+            off.translation.vector.norm() > ELSEWHERE[0] || off.rotation.angle().abs() > ELSEWHERE[1];
+        is_elsewhere && other.score > MOST_RIVAL * best.score
+    };
+    (!places.iter().any(is_rival)).then_some(*best)
 }
 
 fn is_believed(found: &Registered, place_from_guess: &Pose2, settings: &ClosingSettings) -> bool {

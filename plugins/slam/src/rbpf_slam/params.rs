@@ -162,7 +162,7 @@ impl Default for RbpfSlamParams {
             proposal_range_m: 0.05,
             proposal_range_deg: 1.7,
             loop_drift_share: 0.06,
-            loop_reach_m: 20.0,
+            loop_reach_m: 40.0,
             loop_least_score: 0.55,
             resolution_m: 0.05,
             levels: 4,

@@ -8,9 +8,10 @@ pub(super) const TRUSTED_WAY_M: f64 = 15.0;
 /// Steps of a place lie at most this far from its middle, meters, and come at most so many before or after it.
 const PLACE_REACH_M: f64 = 4.0;
 const PLACE_STEPS: usize = 12;
-/// Places that are this far apart are looked at separately, meters, and at most so many.
+/// Places that are this far apart are looked at separately, meters, and at most so many: the one that the robot is at may be
+/// the farthest from where it believes to be.
 const PLACES_APART_M: f64 = 4.0;
-const MOST_PLACES: usize = 8;
+const MOST_PLACES: usize = 60;
 
 /// How long the robot's way from each step to the last one was, meters.
 pub(super) fn along(way: &[Pose2]) -> Vec<f64> {
@@ -35,13 +36,13 @@ pub(super) fn places_of(
     archive: &Archive,
     way: &[Pose2],
     ways_m: &[f64],
-    reach_of: &dyn Fn(f64) -> f64,
+    reach_of: &dyn Fn(usize) -> f64,
 ) -> Vec<usize> {
     let Some(here) = way.last() else { return Vec::new() };
     let off_m = |pose: &Pose2| (pose.translation.vector - here.translation.vector).norm();
     let mut near: Vec<(u64, usize)> = Vec::new();
     for (step, ((pose, way_m), taken)) in way.iter().zip(ways_m).zip(&archive.taken).enumerate() {
-        if taken.is_drawn && *way_m > TRUSTED_WAY_M && off_m(pose) < reach_of(*way_m) {
+        if taken.is_drawn && *way_m > TRUSTED_WAY_M && off_m(pose) < reach_of(step) {
             near.push(((off_m(pose) * 1e6) as u64, step));
         }
     }

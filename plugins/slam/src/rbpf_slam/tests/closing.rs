@@ -105,6 +105,34 @@ fn a_place_that_could_be_several_is_none() {
 }
 
 #[test]
+fn a_place_that_is_like_another_one_elsewhere_is_none() {
+    // Around a hall, around another one just like it, and back somewhere between the two.
+    let (hall, mut rng) = (Hall::published(), stream(3, "twins"));
+    let (mut archive, mut way) = (Archive::default(), Vec::new());
+    let mut visit = |archive: &mut Archive, map_from_hall: &Pose2, steps: std::ops::Range<i32>| {
+        for pose in steps.map(|k| lane(0.5 * f64::from(k))) {
+            push(archive, &hall.scan(&pose, &mut rng), [0.02, 0.02, 0.012]);
+            way.push(map_from_hall * pose);
+        }
+        way.clone()
+    };
+    let between = pose2(6.0, 0.0, 0.0);
+    let far = ClosingSettings { drift_share: 0.2, ..closing() };
+    visit(&mut archive, &Pose2::identity(), 0..86);
+    let mut one = archive.clone();
+    visit(&mut archive, &pose2(12.0, 0.0, 0.0), 0..86);
+    let twice = visit(&mut archive, &between, 0..10);
+    let found = Closing::default().find(&archive, &twice, &far);
+    assert_eq!(found, None, "either of the two");
+    // The first hall alone is found.
+    one.taken.extend_from_slice(&archive.taken[172..]);
+    let once = [&twice[..86], &twice[172..]].concat();
+    let found = Closing::default().find(&one, &once, &far).unwrap();
+    let [off_m, _] = apart(&(once[found.place] * found.place_from_here), &lane(4.5));
+    assert!(off_m < 0.06, "{off_m} m");
+}
+
+#[test]
 fn each_step_takes_its_share_of_what_a_loop_was_open_by() {
     let scan = LaserScan { max_range_m: 30.0, ranges_m: vec![1.0].into(), ..LaserScan::default() };
     let deviations: Vec<f64> = (0..12).map(|k| 0.01 + 0.01 * f64::from(k % 5)).collect();
