@@ -205,6 +205,12 @@ impl Atlas {
         self.optimizer.optimize(&mut self.graph, &settings);
     }
 
+    /// How far off the ties are that came after the first `n_known`: squared deviations of the worst one.
+    pub fn strain_since(&self, n_known: usize) -> f64 {
+        let ties = self.graph.constraints().iter().skip(n_known);
+        ties.map(|tie| self.graph.chi2(tie)).fold(0.0, f64::max)
+    }
+
     /// Frames in a row have moved against each other by more than this since the graph was so, meters.
     pub fn is_torn_since(&self, earlier: &PoseGraph, most_m: f64) -> bool {
         let seen =

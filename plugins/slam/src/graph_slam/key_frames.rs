@@ -10,6 +10,12 @@ const CATCH_UP: usize = 80;
 /// So many of them at one scan: all, for the same reason as that for the places of a look.
 const CATCH_UP_AT_ONCE: usize = CATCH_UP;
 
+/// Where so many frames in a row have a tie that is off by more than these deviations, squared, those that come next are
+/// registered from a wrong place, and along a corridor they would stay there: the graph is optimized at once. One such frame
+/// alone may have a false tie, which others outvote.
+const STRAINED_IN_A_ROW: usize = 12;
+const MOST_STRAIN: f64 = 16.0;
+
 /// A loop that moves two frames in a row so far against each other is a false one, meters.
 const MOST_TORN_M: f64 = 0.5;
 
@@ -30,14 +36,17 @@ impl Tracker {
         let Some(added) = self.atlas.add(frame, &map_from_base, before) else { return };
         self.frame_from_base = Pose2::identity();
         self.odom_from_frame = odom_from_base;
+        let n_known = self.atlas.graph.constraints().len();
         self.atlas.tie_neighbors(added);
         self.since_optimized += 1;
+        let is_strained = self.atlas.strain_since(n_known) > MOST_STRAIN;
+        self.n_strained = if is_strained { self.n_strained + 1 } else { 0 };
         let looks = self.is_adrift || added % self.settings.look_for_loops_every == 0;
         if looks && self.look.is_none() {
             self.look = Some(Look::begin(&self.atlas, added, self.is_adrift, &self.settings.loops));
         }
         let due = self.settings.optimize_every.max((self.settings.optimize_share * added as f64) as usize);
-        if self.since_optimized >= due {
+        if self.since_optimized >= due || self.n_strained >= STRAINED_IN_A_ROW {
             self.optimize();
         }
         let recent: Vec<usize> = ((added + 1).saturating_sub(self.settings.n_recent)..added + 1).collect();
@@ -68,7 +77,7 @@ impl Tracker {
 
     fn optimize(&mut self) {
         self.atlas.optimize(8);
-        self.since_optimized = 0;
+        (self.since_optimized, self.n_strained) = (0, 0);
         self.n_moves += 1;
     }
 

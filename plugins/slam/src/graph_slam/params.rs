@@ -99,7 +99,8 @@ pub struct LoopParams {
     pub least_score: f64,
     /// It must fit less elsewhere, by this share: else it could be several places.
     pub most_rival: f64,
-    /// Key frames that what was seen lately consists of.
+    /// Key frames that what was seen lately consists of. A narrow view, as that of a depth camera, wants about 4: what it saw
+    /// before was seen by nobody from the place that it comes back to.
     pub lately: u32,
     /// Places that are searched at one look at most.
     pub places: u32,

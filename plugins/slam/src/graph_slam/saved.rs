@@ -12,7 +12,7 @@ use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::time::Time;
 use rumbo_kit::pose_graph::{Constraint, RobustKernel};
 
-const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 3 };
+const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 4 };
 
 /// Everything that the next scan depends on.
 pub(super) fn write(tracker: &Tracker) -> Vec<u8> {
@@ -74,6 +74,7 @@ fn put_robot(to: &mut Vec<u8>, tracker: &Tracker) {
     put_count(to, tracker.fit as usize);
     put_count(to, tracker.n_missed as usize);
     put_count(to, tracker.since_optimized);
+    put_count(to, tracker.n_strained);
     put_count(to, tracker.n_loops);
     tracker.catch_up.iter().for_each(|frame| put_count(to, *frame));
     put_some(to, tracker.look.as_ref(), put_look);
@@ -164,6 +165,7 @@ fn robot(from: &mut Reader<'_>, tracker: &mut Tracker) -> Option<()> {
     };
     tracker.n_missed = count(from)? as u32;
     tracker.since_optimized = count(from)?;
+    tracker.n_strained = count(from)?;
     tracker.n_loops = count(from)?;
     tracker.catch_up = [count(from)?, count(from)?];
     tracker.look = some(from, |from| look(from, &tracker.atlas))?;

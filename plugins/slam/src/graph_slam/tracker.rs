@@ -98,6 +98,8 @@ pub(super) struct Tracker {
     pub fit: Fit,
     pub n_missed: u32,
     pub since_optimized: usize,
+    /// Frames in a row whose ties are far off.
+    pub n_strained: usize,
     /// A search for a loop that is not over yet.
     pub look: Option<Look>,
     /// Frames that are to be tied to neighbors after a loop: the first, and the one after the last.
@@ -133,6 +135,7 @@ impl Tracker {
             fit: Fit::Guessed,
             n_missed: 0,
             since_optimized: 0,
+            n_strained: 0,
             look: None,
             catch_up: [0; 2],
             tracks: Vec::new(),

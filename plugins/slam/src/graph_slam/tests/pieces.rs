@@ -1,13 +1,16 @@
 //! Surfaces, the table of nearest points, registration.
 
 use super::building::{scan, scattered, walls};
+use crate::graph_slam::GraphSlamParams;
+use crate::graph_slam::atlas::{Atlas, KeyFrame};
 use crate::graph_slam::contradiction::{View, denied_share};
 use crate::graph_slam::nearest::NearestTable;
 use crate::graph_slam::registration::{Expected, RegistrationSettings, register};
 use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint, surface_of};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
+use rumbo_kit::pose_graph::RobustKernel;
 
 const LIMITS: SurfaceLimits = SurfaceLimits::SLANTED;
 const SETTINGS: RegistrationSettings =
@@ -95,7 +98,7 @@ fn a_corridor_says_nothing_of_the_way_along_it() {
     let corridor = [[-500.0, -1.0, 500.0, -1.0], [-500.0, 1.0, 500.0, 1.0]];
     let reference = scan(&corridor, &pose2(0.0, 0.0, 0.0), 1);
     let other = surface(&scan(&corridor, &pose2(0.3, 0.1, 0.05), 2));
-    let known = Matrix3::from_diagonal(&nalgebra::Vector3::new(1e5, 1e-3, 1e-3));
+    let known = Matrix3::from_diagonal(&Vector3::new(1e5, 1e-3, 1e-3));
     let guess = Expected { information: known, ..expected(pose2(0.3, 0.0, 0.0)) };
     let found = register(&table(&reference), &other, &guess, &SETTINGS).unwrap();
     let pose = found.reference_from_scan;
@@ -138,4 +141,27 @@ fn scans_deny_each_other_where_they_are_said_to_be_from_another_place() {
             denied_share(&view(1), &view(0), &moved.inverse())
         );
     }
+}
+
+#[test]
+fn strain_is_the_worst_of_the_newest_ties_in_deviations_squared() {
+    let scan = LaserScan::default();
+    let frame = || KeyFrame {
+        scan: scan.clone(),
+        base_from_sensor: Pose3::identity(),
+        surface: Vec::new(),
+        is_guessed: false,
+    };
+    let mut atlas = Atlas::new(GraphSlamParams::default().tracker().tie);
+    for x_m in [0.0, 1.0, 2.0] {
+        atlas.add(frame(), &pose2(x_m, 0.0, 0.0), None).unwrap();
+    }
+    let information = Matrix3::from_diagonal(&Vector3::new(100.0, 25.0, 400.0));
+    // Five deviations off along x; then two across and one in turn.
+    atlas.bind(0, 1, pose2(1.5, 0.0, 0.0), information, RobustKernel::Quadratic);
+    atlas.bind(1, 2, pose2(1.0, 0.4, 0.05), information, RobustKernel::Cauchy { c: 1.0 });
+    atlas.bind(0, 2, pose2(2.0, 0.0, 0.0), information, RobustKernel::Quadratic);
+    let turned = atlas.strain_since(1);
+    assert!((atlas.strain_since(0) - 25.0).abs() < 1e-9 && (3.0..6.0).contains(&turned), "{turned}");
+    assert_eq!([atlas.strain_since(2), atlas.strain_since(3)], [0.0; 2]);
 }
