@@ -3,6 +3,7 @@
 
 pub mod ekf_line_slam;
 pub mod graph_slam;
+mod gyro;
 pub mod rbpf_slam;
 pub mod scan_match_slam;
 mod turning;

@@ -8,7 +8,6 @@
 mod atlas;
 mod contradiction;
 mod front_end;
-mod gyro;
 mod key_frames;
 mod loops;
 pub(crate) mod nearest;

@@ -1,8 +1,8 @@
 //! Where will the next scan have been taken? The wheels say it, a gyroscope, or the motion before.
 
 use super::front_end::Prediction;
-use super::gyro::Heading;
 use super::tracker::{BLIND_AFTER_S, Tracker};
+use crate::gyro::Heading;
 use nalgebra::UnitComplex;
 use rumbo_core::frames::{Pose2, interpolate2};
 use rumbo_core::time::Time;

@@ -1,10 +1,10 @@
 //! The whole state as bytes, to go on from later.
 
 use super::atlas::{Atlas, KeyFrame};
-use super::gyro::{Gyro, Heading};
 use super::saved_look::{look, put_look};
 use super::surface::surface_of;
 use super::tracker::{Before, Fit, Track, Tracker, TrackerSettings};
+use crate::gyro::{Gyro, Heading};
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion};
 use rumbo_core::frames::{Pose2, Pose3, is_finite2, is_finite3, pose2};
 use rumbo_core::messages::{Check, LaserScan};

@@ -3,9 +3,9 @@
 use super::atlas::{Atlas, KeyFrame, TieSettings};
 use super::contradiction::View;
 use super::front_end::FrontEnd;
-use super::gyro::{Gyro, Heading};
 use super::loops::{Look, LoopSearch, LoopSettings, frames_of};
 use super::surface::{SurfaceLimits, surface_of};
+use crate::gyro::{Gyro, Heading};
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, Pose3, lift};
 use rumbo_core::messages::{LaserScan, StampedPose};

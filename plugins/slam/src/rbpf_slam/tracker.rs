@@ -204,7 +204,7 @@ impl Tracker {
                 }
                 Data::Imu(imu) => {
                     let is_used =
-                        self.odometer.gyro.take(observation.stamp, imu, &observation.base_from_sensor);
+                        self.odometer.turns.take(observation.stamp, imu, &observation.base_from_sensor);
                     self.counters.imu_dropped += u64::from(!is_used);
                 }
                 Data::LaserScan(_) => self.queue(observation),

@@ -1,6 +1,7 @@
 //! Where the robot was followed to since the last step, as bytes.
 
 use super::{State, put, put_count, put_pose, put_pose_if};
+use crate::gyro::{Gyro, Heading};
 use crate::rbpf_slam::motion::Step;
 use crate::rbpf_slam::tracker::Tracker;
 use nalgebra::Matrix3;
@@ -20,8 +21,11 @@ pub(super) fn put_tracker(bytes: &mut Vec<u8>, tracker: &Tracker) {
     put(bytes, &[tracker.way_unmatched_m]);
     let odometer = &tracker.odometer;
     put_pose_if(bytes, odometer.at_scan);
-    put_pose_if(bytes, odometer.gyro.at_scan);
-    let (stamp, turned) = odometer.gyro.turned.newest().unzip();
+    let (run, newest) = odometer.turns.gyro.newest();
+    // A heading of another run tells nothing.
+    let at_scan = odometer.turns.at_scan.filter(|heading| heading.run == run);
+    put_pose_if(bytes, at_scan.map(|heading| heading.turn));
+    let (stamp, turned) = newest.unzip();
     put_pose_if(bytes, turned);
     bytes.extend(stamp.unwrap_or_default().0.to_le_bytes());
     put(bytes, &odometer.stray);
@@ -42,11 +46,10 @@ impl State<'_> {
         tracker.n_unmatched = self.count()? as u32;
         tracker.way_unmatched_m = self.number()?;
         tracker.odometer.at_scan = self.pose_if()?;
-        tracker.odometer.gyro.at_scan = self.pose_if()?;
+        let at_scan = self.pose_if()?;
         let (turned, stamp) = (self.pose_if()?, self.time()?);
-        if let Some(turned) = turned {
-            tracker.odometer.gyro.turned.push(stamp, turned);
-        }
+        tracker.odometer.turns.gyro = Gyro::go_on(0, turned.map(|turned| (stamp, turned)));
+        tracker.odometer.turns.at_scan = at_scan.map(|turn| Heading { run: 0, turn });
         tracker.odometer.stray = self.numbers()?;
         let [forward_m_s, left_m_s, turn_rad_s] = self.numbers()?;
         tracker.odometer.velocity = Twist { forward_m_s, left_m_s, turn_rad_s };

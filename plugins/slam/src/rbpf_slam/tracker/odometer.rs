@@ -1,7 +1,7 @@
 //! Steps between scans: by the odometer, or where there is none by the velocity so far.
 
 use super::Counters;
-use super::gyro::Gyro;
+use super::gyro::Turns;
 use crate::rbpf_slam::motion::Step;
 use rumbo_core::frames::{Pose2, Twist};
 use rumbo_core::messages::{Check, Odometry};
@@ -14,7 +14,7 @@ pub struct Odometer {
     history: OdometryHistory,
     max_jump_m: f64,
     /// What an inertial unit says.
-    pub(in crate::rbpf_slam) gyro: Gyro,
+    pub(in crate::rbpf_slam) turns: Turns,
     /// The pose at the last scan, where the odometer knows it.
     pub(in crate::rbpf_slam) at_scan: Option<Pose2>,
     /// Variances that the next step has beside its own.
@@ -38,8 +38,8 @@ impl Odometer {
     /// Nothing was said yet.
     pub fn new(max_jump_m: f64) -> Odometer {
         let history = OdometryHistory::default();
-        let (gyro, velocity) = (Gyro::default(), Twist::ZERO);
-        Odometer { history, max_jump_m, gyro, at_scan: None, stray: [0.0; 2], velocity }
+        let (turns, velocity) = (Turns::default(), Twist::ZERO);
+        Odometer { history, max_jump_m, turns, at_scan: None, stray: [0.0; 2], velocity }
     }
 
     /// Takes in a reading.
@@ -73,14 +73,14 @@ impl Odometer {
     /// Nothing better will be known of this time.
     pub fn is_ready(&self, stamp: Time, now: Time) -> bool {
         let is_silent = self.history.newest().is_none();
-        (is_silent || self.history.is_past(stamp)) && self.gyro.is_past(stamp)
+        (is_silent || self.history.is_past(stamp)) && self.turns.gyro.is_past(stamp)
             || now - stamp > Span::from_secs(PATIENCE_S)
     }
 
     /// The step from the last scan, if there was one, to a scan of this time; its turn by the gyroscope where there is one.
     pub fn step_to(&mut self, stamp: Time, last: Option<Time>) -> Step {
         let mut step = self.step_of_wheels(stamp, last);
-        if let Some((turn_rad, variance)) = self.gyro.turn_to(stamp, last) {
+        if let Some((turn_rad, variance)) = self.turns.turn_to(stamp, last) {
             step.before_from_after.rotation = nalgebra::UnitComplex::new(turn_rad);
             step.measured_turn = Some(variance);
         }
@@ -118,7 +118,7 @@ impl Odometer {
     /// What comes next has nothing to do with what came before, and the robot is where it is said to be.
     pub fn forget(&mut self) {
         self.history.clear();
-        self.gyro.forget();
+        self.turns.forget();
         (self.at_scan, self.stray, self.velocity) = (None, [0.0; 2], Twist::ZERO);
     }
 

@@ -6,7 +6,7 @@ use rumbo_kit::odometry_history::{OdometryHistory, Reading};
 
 /// A turn that can be compared with others of the same unbroken run of readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Heading {
+pub(crate) struct Heading {
     /// Goes up at each gap in the readings.
     pub run: u32,
     /// Turned by so much since the run began, as a pose without a place.
@@ -15,7 +15,7 @@ pub(super) struct Heading {
 
 /// Turns summed up from rates.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Gyro {
+pub(crate) struct Gyro {
     run: u32,
     turned: OdometryHistory,
 }
@@ -49,6 +49,12 @@ impl Gyro {
     /// The heading at a time, if its readings reach so far.
     pub fn at(&self, stamp: Time) -> Option<Heading> {
         self.turned.at(stamp).map(|turn| Heading { run: self.run, turn })
+    }
+
+    /// Nothing better will be known of this time.
+    pub fn is_past(&self, stamp: Time) -> bool {
+        let broke_off = |(newest, _): (Time, Pose2)| (stamp - newest).as_secs() > LONGEST_GAP_S;
+        self.turned.newest().is_none_or(broke_off) || self.turned.is_past(stamp)
     }
 
     /// The run, and the newest reading: all that the next ones depend on.
@@ -86,6 +92,7 @@ mod tests {
             assert!(gyro.take(at(k), 0.8));
         }
         assert!(!gyro.take(at(1000), 0.8), "the same moment again");
+        assert!(gyro.is_past(at(1000)) && !gyro.is_past(at(1001)) && gyro.is_past(at(1026)), "it broke off");
         let (early, late) = (gyro.at(at(200)).unwrap(), gyro.at(at(550)).unwrap());
         assert!((late.since(&early).unwrap() - 2.8).abs() < 1e-9);
         let mut again = Gyro::go_on(gyro.newest().0, gyro.newest().1);
