@@ -80,7 +80,8 @@ struct Watched {
 
 impl Watched {
     fn new(pipeline: &Pipeline) -> Watched {
-        let engine = Engine::build(pipeline).expect("a pipeline that can be built");
+        let mut engine = Engine::build(pipeline).expect("a pipeline that can be built");
+        engine.keep_no_trajectory();
         Watched { engine, metrics: Metrics::new(), cycles_ms: Vec::with_capacity(1 << 16), n_not_finite: 0 }
     }
 
