@@ -140,17 +140,16 @@ fn run(asked: &Asked) -> (Vec<Minute>, u64) {
     let mut watched = watched.unwrap();
     heap += began.bytes_current;
     let started = watched.engine.view().started;
-    println!("| minute | heap MB | resident MB | cycle p50 ms | p99 ms | most ms |\n|---|---|---|---|---|---|");
+    println!(
+        "| minute | heap MB | resident MB | cycle p50 ms | p99 ms | most ms |\n|---|---|---|---|---|---|"
+    );
     for minute in 1..=asked.minutes {
         let end = started + Span::from_secs(60.0 * minute as f64);
         heap += allocation_counter::measure(|| watched.drive_until(end)).bytes_current;
         let (heap, resident, cycle_ms) = (heap as f64, resident(), watched.percentiles_ms());
         let [half, most_of, all] = cycle_ms;
         let resident_mb = resident.map_or("-".to_owned(), |bytes| format!("{:.3}", bytes * 1e-6));
-        println!(
-            "| {minute} | {:.3} | {resident_mb} | {half:.3} | {most_of:.3} | {all:.3} |",
-            heap * 1e-6
-        );
+        println!("| {minute} | {:.3} | {resident_mb} | {half:.3} | {most_of:.3} | {all:.3} |", heap * 1e-6);
         minutes.push(Minute { heap, resident, cycle_ms });
     }
     (minutes, watched.n_not_finite)
