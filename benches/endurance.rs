@@ -35,11 +35,11 @@ fn asked() -> Asked {
     let mut args = std::env::args().skip(1);
     while let Some(arg) = args.next() {
         match arg.as_str() {
-            // From `cargo bench`.
-            "--bench" => {}
             "--minutes" => asked.minutes = args.next().and_then(|n| n.parse().ok()).expect("--minutes N"),
             "--set" => asked.sets.push(args.next().expect("--set KEY=VALUE")),
-            file => file.clone_into(&mut asked.file),
+            file if file.ends_with(".toml") => file.clone_into(&mut asked.file),
+            // From `cargo bench`, and what is for others of its benches.
+            _ => {}
         }
     }
     asked
