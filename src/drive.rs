@@ -39,19 +39,20 @@ pub fn drive_and_keep(
     interrupt: &AtomicBool,
 ) -> Result<Driven, EngineError> {
     let mut engine = Engine::build(pipeline)?;
-    Ok(drive_engine(&mut engine, pipeline, file, config, others, interrupt))
+    Ok(drive_engine(&mut engine, pipeline, file, config, Recorder::default(), others, interrupt))
 }
 
-/// As [`drive_and_keep`], with an engine that is built already.
+/// As [`drive_and_keep`], with an engine that is built already, written down by this recorder.
 pub fn drive_engine(
     engine: &mut Engine,
     pipeline: &Pipeline,
     file: &str,
     config: &str,
+    mut recorder: Recorder,
     others: &mut [&mut dyn Observer],
     interrupt: &AtomicBool,
 ) -> Driven {
-    let (mut metrics, mut recorder) = (Metrics::new(), Recorder::default());
+    let mut metrics = Metrics::new();
     engine.watch_plans();
     let clock = Instant::now();
     let end = {
@@ -74,6 +75,7 @@ pub fn drive_engine(
 pub fn drive_for_figures(pipeline: &Pipeline, interrupt: &AtomicBool) -> Result<Outcome, EngineError> {
     let mut engine = Engine::build(pipeline)?;
     engine.count();
+    engine.keep_no_trajectory();
     let mut metrics = Metrics::new();
     let clock = Instant::now();
     let end = engine.run(&mut [&mut metrics], interrupt);

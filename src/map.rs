@@ -7,6 +7,7 @@ use crate::drive::{Driven, drive_engine};
 use crate::exit::{Exit, Failure};
 use crate::load::{self, Ready};
 use crate::outcome::Outcome;
+use crate::record::Recorder;
 use crate::report;
 use crate::run::summary::notices;
 use crate::run::{exit_of, on_interrupt, write_picture};
@@ -105,7 +106,9 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let mut observers: Vec<&mut dyn Observer> = vec![&mut watch];
     let mut engine =
         Engine::build(&ready.pipeline).map_err(|error| ready.explain(&error, args.json, terminal))?;
-    let driven = drive_engine(&mut engine, &ready.pipeline, &file, &ready.config, &mut observers, &interrupt);
+    let (pipeline, recorder) = (&ready.pipeline, Recorder::default());
+    let driven =
+        drive_engine(&mut engine, pipeline, &file, &ready.config, recorder, &mut observers, &interrupt);
     watch.finish();
     let saved = engine.save_map().map_err(|error| Failure::Usage(format!("cannot save the map: {error}")))?;
     let grid = saved.map.grid.as_ref().filter(|grid| grid.known_extent().is_some());

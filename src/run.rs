@@ -14,7 +14,7 @@ use crate::exit::{Exit, Failure};
 use crate::load::{self, Ready};
 use crate::outcome::Outcome;
 use crate::picture::{Raster, poster};
-use crate::record::RunRecord;
+use crate::record::{Recorder, RunRecord};
 use crate::recording::{RunRecording, header_of};
 use crate::report;
 use crate::terminal::{Terminal, write_file};
@@ -142,6 +142,16 @@ impl Args {
         named.clone().or_else(|| (!self.no_report).then(|| self.usual(extension)))
     }
 
+    /// Somebody will look at the whole run.
+    fn draws(&self) -> bool {
+        !self.no_report || self.report.is_some() || self.picture.is_some() || self.save_run.is_some()
+    }
+
+    /// Somebody will look at the way as it is known at the end, or go on from it.
+    fn asks_for_way(&self) -> bool {
+        self.draws() || self.trajectory.is_some() || self.save_state.is_some()
+    }
+
     fn usual(&self, extension: &str) -> PathBuf {
         Path::new("out").join(self.file.file_stem().unwrap_or_default()).with_extension(extension)
     }
@@ -174,7 +184,12 @@ fn watched_drive(
     others.extend(poses.as_mut().map(|poses| poses as &mut dyn Observer));
     others.extend(pace.as_mut().map(|pace| pace as &mut dyn Observer));
     let file = args.file.display().to_string();
-    let driven = drive_engine(&mut engine, &ready.pipeline, &file, &ready.config, &mut others, &interrupt);
+    let recorder = if args.draws() { Recorder::default() } else { Recorder::of_events() };
+    if !args.asks_for_way() {
+        engine.keep_no_trajectory();
+    }
+    let (pipeline, config) = (&ready.pipeline, &ready.config);
+    let driven = drive_engine(&mut engine, pipeline, &file, config, recorder, &mut others, &interrupt);
     if let Some(progress) = progress {
         progress.finish();
     }

@@ -22,6 +22,8 @@ const PATHS: usize = 64;
 
 /// Writes a run down at a fixed period of the world's time.
 pub struct Recorder {
+    /// Somebody will draw the run; otherwise events are all that is kept.
+    is_drawn: bool,
     period: Span,
     due: Time,
     samples: Vec<Sample>,
@@ -39,6 +41,7 @@ pub struct Recorder {
 impl Default for Recorder {
     fn default() -> Self {
         Recorder {
+            is_drawn: true,
             period: Span::from_secs(0.1),
             due: Time::ZERO,
             samples: Vec::with_capacity(ROOM),
@@ -55,6 +58,11 @@ impl Default for Recorder {
 }
 
 impl Recorder {
+    /// Keeps what a summary tells, and no moments, paths and drawings: nobody will draw the run.
+    pub fn of_events() -> Recorder {
+        Recorder { is_drawn: false, samples: Vec::new(), ..Recorder::default() }
+    }
+
     /// Everything that was written down, with the map as the run left it.
     pub fn finish(self, pipeline: &Pipeline, file: &str, map: &Map, config: String) -> RunRecord {
         let mission = &pipeline.mission;
@@ -168,9 +176,11 @@ impl Observer for Recorder {
         if self.start.is_none() {
             self.start = view.truth.map(|truth| numbers(&flatten(&truth.map_from_base)));
         }
-        self.sample(view);
-        self.follow_path(view);
-        self.keep_drawings(view);
+        if self.is_drawn {
+            self.sample(view);
+            self.follow_path(view);
+            self.keep_drawings(view);
+        }
         self.note_events(view);
     }
 }

@@ -74,7 +74,7 @@ impl Engine {
             twist: self.track.twist(),
             seen: self.ring.seen(seat.cursor, Filter::Public),
             map: &self.map,
-            grid: self.planning.grid.as_ref().or(self.map.grid.as_ref()),
+            grid: self.planning.grid.get().or(self.map.grid.as_ref()),
             path: self.navigator.path.as_ref(),
             path_number: self.navigator.path_number,
             arrival_radius_m: self.navigator.mission().arrival_radius_m,

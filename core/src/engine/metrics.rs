@@ -1,5 +1,6 @@
 //! The figures of a run, gathered by an observer.
 
+use super::errors::Errors;
 use super::events::EventKind;
 use super::observer::{Observer, StepView};
 use super::order::State;
@@ -94,7 +95,7 @@ pub struct Metrics {
     last_truth: Option<Pose2>,
     last_reading: Option<(SensorId, Pose2)>,
     n_tracked: u64,
-    errors_m: Vec<f32>,
+    errors: Errors,
     squared_heading_errors_rad2: f64,
     final_error_m: Option<[f64; 2]>,
     final_heading_error_deg: Option<f64>,
@@ -113,15 +114,12 @@ pub struct Metrics {
 }
 
 impl Metrics {
-    /// Room for errors of this many steps is taken up front, so that a warm step allocates nothing.
-    const ROOM: usize = 1 << 16;
-
     /// A robot that drove less has no figure per meter.
     const LEAST_WAY_M: f64 = 0.01;
 
     /// Nothing seen yet.
     pub fn new() -> Metrics {
-        Metrics { errors_m: Vec::with_capacity(Self::ROOM), ..Metrics::default() }
+        Metrics::default()
     }
 
     /// Wall time used by each part of the steps.
@@ -136,11 +134,6 @@ impl Metrics {
 
     /// The figures of a run that ended for this reason.
     pub fn summary(&self, reason: EndReason, detail: Option<String>) -> Summary {
-        let mut sorted = self.errors_m.clone();
-        sorted.sort_unstable_by(f32::total_cmp);
-        let mean_square =
-            sorted.iter().map(|e| f64::from(*e).powi(2)).sum::<f64>() / sorted.len().max(1) as f64;
-        let rank = (0.95 * sorted.len() as f64).ceil() as usize;
         Summary {
             arrived: reason == EndReason::Arrived,
             reason,
@@ -148,12 +141,12 @@ impl Metrics {
             time_s: self.time_s,
             path_m: self.path_m,
             goal_error_m: self.goal_error_m,
-            final_error_m: self.errors_m.last().map(|e| f64::from(*e)),
+            final_error_m: self.errors.last_m(),
             final_error_x_m: self.final_error_m.map(|[x, _]| x),
             final_error_y_m: self.final_error_m.map(|[_, y]| y),
             final_heading_error_deg: self.final_heading_error_deg,
-            rms_error_m: (!sorted.is_empty()).then(|| mean_square.sqrt()),
-            p95_error_m: sorted.get(rank.saturating_sub(1)).map(|e| f64::from(*e)),
+            rms_error_m: self.errors.rms_m(),
+            p95_error_m: self.errors.quantile_m(0.95),
             rms_heading_error_deg: self.rms_heading_error_deg(),
             turn_deg_m: (self.path_m > Self::LEAST_WAY_M).then(|| self.turned_rad.to_degrees() / self.path_m),
             min_clearance_m: self.min_clearance_m,
@@ -171,7 +164,7 @@ impl Metrics {
     }
 
     fn rms_heading_error_deg(&self) -> Option<f64> {
-        let n_errors = self.errors_m.len();
+        let n_errors = self.errors.n();
         (n_errors > 0).then(|| (self.squared_heading_errors_rad2 / n_errors as f64).sqrt().to_degrees())
     }
 
@@ -215,7 +208,7 @@ impl Metrics {
             let error_m = error.norm();
             self.final_error_m = Some([error.x.abs(), error.y.abs()]);
             let turn = wrap_angle(view.map_from_base.rotation.angle() - true_pose.rotation.angle());
-            self.errors_m.push(error_m as f32);
+            self.errors.add(error_m);
             self.squared_heading_errors_rad2 += turn.powi(2);
             self.final_heading_error_deg = Some(turn.abs().to_degrees());
         }

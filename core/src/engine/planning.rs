@@ -4,12 +4,13 @@ mod beside;
 
 use super::at_work::AtWork;
 use super::events::{Event, EventKind};
+use super::known_grid::KnownGrid;
 use super::navigator::{Navigator, Outcome};
 use super::order::State;
 use super::schedule::{Schedule, TaskId};
 use super::watchdog::StepLimits;
 use crate::frames::{Point2, Pose2};
-use crate::map::{Grid, Map};
+use crate::map::Map;
 use crate::messages::{Check, Goal, Path};
 use crate::robot::Robot;
 use crate::stages::{Background, BackgroundJob, PlanError, PlanRequest, Planner};
@@ -63,7 +64,7 @@ pub(super) struct Planning {
     /// The robot.
     pub robot: Arc<Robot>,
     /// The grid of the last request: the map's with all obstacles.
-    pub grid: Option<Grid>,
+    pub grid: KnownGrid,
     /// Planners draw, whether or not the other stages do.
     pub is_drawn: bool,
     /// Debug drawings of the last plan, of both planners where the second one was asked.
@@ -89,7 +90,7 @@ impl Planning {
             fallback,
             task: None,
             robot,
-            grid: None,
+            grid: KnownGrid::default(),
             is_drawn: false,
             drawings: Vec::new(),
             counters: Vec::new(),
@@ -141,7 +142,7 @@ impl Planning {
 
     fn ask(&mut self, by_fallback: bool, nav: &mut Navigator, at: &Situation<'_>, events: &mut Vec<Event>) {
         let Some(goal) = nav.goal().copied() else { return };
-        self.grid = with_obstacles(at.map, nav);
+        self.grid.renew(at.map.grid.as_ref(), nav.memory.obstacles());
         let seat = if by_fallback { &mut self.fallback } else { &mut self.main };
         let Some(seat) = seat else { return self.straight(nav, at, events) };
         let Some(mut planner) = seat.planner.take() else {
@@ -151,7 +152,7 @@ impl Planning {
         let mut request = PlanRequest {
             stamp: at.now,
             map: at.map.clone(),
-            grid: self.grid.clone(),
+            grid: self.grid.get().cloned(),
             start: at.map_from_base,
             goal,
             robot: self.robot.clone(),
@@ -270,13 +271,4 @@ fn ask_again(since: Time, nav: &mut Navigator, at: &Situation<'_>, events: &mut 
         let reason = "nothing has seen them beside the robot since there was no way";
         events.push(Event { stamp: at.now, kind: EventKind::Forgot { n_obstacles, reason } });
     }
-}
-
-/// The map's grid with everything that the navigator remembers.
-fn with_obstacles(map: &Map, nav: &Navigator) -> Option<Grid> {
-    let mut grid = map.grid.clone()?;
-    for obstacle in nav.memory.obstacles() {
-        grid.occupy_disc(obstacle.position, obstacle.radius_m);
-    }
-    Some(grid)
 }

@@ -41,6 +41,14 @@ impl Engine {
         let poses = slam.trajectory().and_then(|poses| in_order(&poses).map(|()| poses));
         poses.map_err(|error| AskError::Slam { section: seat.name.clone(), error })
     }
+
+    /// Nobody will ask for the trajectory of this run, nor save its state: `[slam]` keeps no list of scans for that alone, and
+    /// a long run needs no more memory than a short one. To be said before the first step.
+    pub fn keep_no_trajectory(&mut self) {
+        if let Finder::Slam { slam, .. } = &mut self.localization.finder.stage {
+            slam.keep_no_trajectory();
+        }
+    }
 }
 
 impl Engine {

@@ -30,6 +30,11 @@ pub trait Slam: Send {
         Ok(Vec::new())
     }
 
+    /// Nobody will ask for the [`Slam::trajectory`], nor save a state that has it: what is kept for that alone is dropped from
+    /// now on, so that a long run needs no more memory than a short one. Nothing else changes; who needs the trajectory to
+    /// close loops keeps it. Asked before the first update, and stays so through every `start`.
+    fn keep_no_trajectory(&mut self) {}
+
     /// Brings its layers of a map that somebody wants to save to what is known now: drawn from the poses of
     /// [`Slam::trajectory`], where the map that it works with lags behind them. That map stays.
     fn save_map(&self, _map: &mut Map) -> Result<(), SlamError> {

@@ -7,26 +7,19 @@ use crate::GridSize;
 use crate::simd::{self, Kernel, Vectors};
 
 /// Cells whose middle lies inside the outline of the swept area, each exactly once. Keeps its memory between scans.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct AreaFill {
     outline: Vec<[f32; 2]>,
     rows: Rows,
 }
 
-/// Where an outline crosses the middles of rows: up to `width` crossings of row `first + r` at `r * width`.
-#[derive(Debug, Clone)]
+/// Where an outline crosses the middles of rows, one row after the other: those of row `first + r` end at `ends[r]`. A row
+/// along a wall is crossed a hundred times and most others twice, so each has as much room as it needs.
+#[derive(Debug, Clone, Default)]
 struct Rows {
     first: i32,
-    width: usize,
-    counts: Vec<u32>,
+    ends: Vec<i32>,
     crossings: Vec<f32>,
-}
-
-impl Default for AreaFill {
-    fn default() -> Self {
-        let rows = Rows { first: 0, width: 8, counts: Vec::new(), crossings: Vec::new() };
-        AreaFill { outline: Vec::new(), rows }
-    }
 }
 
 impl AreaFill {
@@ -47,10 +40,7 @@ impl AreaFill {
         }
         self.draw_outline(beams, scale);
         self.rows.span(&self.outline, size.height);
-        while !self.rows.cross(&self.outline) {
-            // A row is crossed more often than ever before: there will be room for twice as many from now on.
-            self.rows.width *= 2;
-        }
+        self.rows.cross(&self.outline);
         simd::widest(FreeBetween { rows: &mut self.rows, cells, width: size.width, evidence });
     }
 
@@ -84,42 +74,65 @@ impl Rows {
         let n_rows = i32::try_from(n_rows).unwrap_or(i32::MAX);
         self.first = ceil(lowest - 0.5).clamp(0, n_rows);
         let end = ceil(highest - 0.5).clamp(self.first, n_rows);
-        self.counts.clear();
-        self.counts.resize((end - self.first) as usize, 0);
+        self.ends.clear();
+        self.ends.resize((end - self.first) as usize, 0);
     }
 
-    /// Collects the crossings of every row; false when a row has more than there is room for.
-    fn cross(&mut self, outline: &[[f32; 2]]) -> bool {
-        self.counts.fill(0);
-        self.crossings.resize(self.counts.len() * self.width, 0.0);
-        let end_row = self.first + self.counts.len() as i32;
-        let Some(&last) = outline.last() else { return true };
-        let mut from = last;
-        let mut most = 0;
-        for &to in outline {
-            let (low, high) = if from[1] <= to[1] { (from, to) } else { (to, from) };
-            // A row is crossed when its middle is: half open, so that chained edges cross it once.
-            let first = ceil(low[1] - 0.5).max(self.first);
-            let end = ceil(high[1] - 0.5).min(end_row);
-            if first < end {
-                let slope = (high[0] - low[0]) / (high[1] - low[1]);
-                let begin_x = low[0] + (first as f32 + 0.5 - low[1]) * slope;
-                let begin = (first - self.first) as usize;
-                let crossed = &mut self.counts[begin..(end - self.first) as usize];
-                for (k, count) in crossed.iter_mut().enumerate() {
-                    if (*count as usize) < self.width {
-                        // Not added up: the last of many rows is as exact as the first.
-                        self.crossings[(begin + k) * self.width + *count as usize] =
-                            begin_x + k as f32 * slope;
-                    }
-                    *count += 1;
-                    most = most.max(*count);
-                }
+    /// Collects the crossings of every row.
+    fn cross(&mut self, outline: &[[f32; 2]]) {
+        self.make_room(outline);
+        let n_rows = self.ends.len();
+        for [low, high] in edges(outline) {
+            let crossed = rows_between(low, high, self.first, n_rows);
+            if crossed.is_empty() {
+                continue;
             }
-            from = to;
+            let slope = (high[0] - low[0]) / (high[1] - low[1]);
+            let begin_x = low[0] + ((self.first + crossed.start as i32) as f32 + 0.5 - low[1]) * slope;
+            for (k, end) in self.ends[crossed].iter_mut().enumerate() {
+                // Not added up: the last of many rows is as exact as the first.
+                self.crossings[*end as usize] = begin_x + k as f32 * slope;
+                *end += 1;
+            }
         }
-        most as usize <= self.width
     }
+
+    /// Counts the crossings of every row; `ends` says where those of each begin.
+    fn make_room(&mut self, outline: &[[f32; 2]]) {
+        let n_rows = self.ends.len();
+        // First by how much each row has more than the row before.
+        for [low, high] in edges(outline) {
+            let crossed = rows_between(low, high, self.first, n_rows);
+            if crossed.is_empty() {
+                continue;
+            }
+            self.ends[crossed.start] += 1;
+            if let Some(behind) = self.ends.get_mut(crossed.end) {
+                *behind -= 1;
+            }
+        }
+        let (mut count, mut total) = (0, 0);
+        for end in &mut self.ends {
+            count += *end;
+            *end = total;
+            total += count;
+        }
+        self.crossings.clear();
+        self.crossings.resize(total as usize, 0.0);
+    }
+}
+
+/// The edges of a closed outline, each from its lower to its higher end.
+fn edges(outline: &[[f32; 2]]) -> impl Iterator<Item = [[f32; 2]; 2]> {
+    let before = outline.last().into_iter().chain(outline);
+    before.zip(outline).map(|(from, to)| if from[1] <= to[1] { [*from, *to] } else { [*to, *from] })
+}
+
+/// Rows after `first` whose middles an edge crosses: half open, so that chained edges cross each once.
+#[inline(always)]
+fn rows_between(low: [f32; 2], high: [f32; 2], first: i32, n_rows: usize) -> std::ops::Range<usize> {
+    let row = |y: f32| (ceil(y - 0.5).clamp(first, first + n_rows as i32) - first) as usize;
+    row(low[1])..row(high[1])
 }
 
 /// Frees the cells between every second pair of crossings of each row.
@@ -137,9 +150,10 @@ impl Kernel for FreeBetween<'_> {
     fn run<V: Vectors>(self) {
         let FreeBetween { rows, cells, width, evidence } = self;
         let lines = cells.chunks_exact_mut(width).skip(rows.first as usize);
-        let crossings = rows.crossings.chunks_exact_mut(rows.width);
-        for ((line, crossings), count) in lines.zip(crossings).zip(&rows.counts) {
-            let Some(xs) = crossings.get_mut(..*count as usize) else { continue };
+        let mut begin = 0;
+        for (line, end) in lines.zip(&rows.ends) {
+            let Some(xs) = rows.crossings.get_mut(begin..*end as usize) else { continue };
+            begin = *end as usize;
             sort_few(xs);
             for span in xs.chunks_exact(2) {
                 // A cell is inside when its middle is; half open, so that neighbors share no cell.

@@ -207,7 +207,9 @@ impl ScanOdometer {
         for place in [last].into_iter().chain(far.iter().take(MOST_FAR).map(|(_, place)| *place)) {
             let near = pose2(place.x, place.y, place.z);
             let again = registrar.register_from(key, points, (place, &near), prior, settings);
-            if again.support >= LEAST_FAR_SUPPORT {
+            if again.support >= LEAST_FAR_SUPPORT
+                && (again.status == MatchStatus::Ok || !settings.far_sees_all)
+            {
                 best.give_way_to(again);
             }
         }

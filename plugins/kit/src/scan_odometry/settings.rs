@@ -65,6 +65,8 @@ pub struct ScanOdometrySettings {
     pub n_retries: usize,
     /// Where nothing is found near the prior, so many times as many are tried from where the base was; none does not look there.
     pub far_retries: usize,
+    /// What is found there must see all directions: the prediction, which was wrong, would have to stand for the others.
+    pub far_sees_all: bool,
     /// While matches may still be far, residuals count fully up to this share of that distance, and none is left out; zero
     /// treats them as at the end, as published.
     pub kernel_share: f64,
@@ -98,6 +100,7 @@ impl Default for ScanOdometrySettings {
             retry_step_rad: 0.1,
             n_retries: 4,
             far_retries: 0,
+            far_sees_all: false,
             kernel_share: 0.0,
         }
     }

@@ -165,6 +165,8 @@ impl NavFilterParams {
                 key_angle_rad: self.key_angle_deg.to_radians(),
                 max_match_m: self.max_match_m,
                 range_noise_m: self.range_noise_m,
+                far_retries: 3,
+                far_sees_all: true,
                 ..ScanOdometrySettings::default()
             },
             wheels_m_s: self.wheels.then_some(self.wheels_deviation_m_s),

@@ -17,6 +17,7 @@ use rumbo_kit::scan_match::MatchStatus;
 #[derive(Debug)]
 pub struct ScanMatchSlam {
     tracker: ScanTracker,
+    keeps_trajectory: bool,
 }
 
 fn grid_error(fault: GridFault) -> SlamError {
@@ -101,6 +102,9 @@ impl Slam for ScanMatchSlam {
             self.tracker.take(observation, scan, map).map_err(grid_error)?;
         }
         self.tracker.keep(map);
+        if !self.keeps_trajectory {
+            self.tracker.trajectory.clear();
+        }
         if cx.trace.is_counting() {
             self.show(cx.trace);
         }
@@ -129,6 +133,10 @@ impl Slam for ScanMatchSlam {
         Ok(self.tracker.trajectory.iter().map(pose).collect())
     }
 
+    fn keep_no_trajectory(&mut self) {
+        self.keeps_trajectory = false;
+    }
+
     fn save(&self) -> Result<Vec<u8>, SlamError> {
         saved::save(&self.tracker).ok_or(SlamError::Other("no scan was seen yet: nothing to save".into()))
     }
@@ -149,7 +157,8 @@ impl Plugin<dyn Slam> for ScanMatchSlamParams {
             return Err(fault);
         }
         let evidence = self.evidence().map_err(|_| BuildError::at("", "impossible evidence"))?;
-        Ok(Box::new(ScanMatchSlam { tracker: ScanTracker::new(self.tracker(evidence)) }))
+        let tracker = ScanTracker::new(self.tracker(evidence));
+        Ok(Box::new(ScanMatchSlam { tracker, keeps_trajectory: true }))
     }
 }
 
