@@ -17,6 +17,7 @@ mod plugin;
 pub(crate) mod point_table;
 mod predicting;
 pub(crate) mod registration;
+mod revisiting;
 mod saved;
 mod saved_look;
 mod sheet;

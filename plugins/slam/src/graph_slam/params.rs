@@ -35,6 +35,9 @@ pub struct GraphSlamParams {
     pub key_frame_every_m: f64,
     /// ... or turned so far, degrees.
     pub key_frame_every_deg: f64,
+    /// A place that was mapped at so many visits gets no more key frames while what is seen there fits, so that a robot on patrol
+    /// needs no more memory and time from lap to lap.
+    pub most_visits: u32,
     /// Key frames that a scan is registered on: the last so many.
     pub recent_key_frames: u32,
     /// Key frames before a new one that it is tied to.
@@ -136,6 +139,7 @@ impl Default for GraphSlamParams {
             min_points: 30,
             key_frame_every_m: 0.25,
             key_frame_every_deg: 10.0,
+            most_visits: 4,
             recent_key_frames: 10,
             ties_before: 3,
             ties_around: 6,
@@ -201,6 +205,7 @@ impl Params for GraphSlamParams {
         let counts = [
             ("min_points", self.min_points, 3),
             ("recent_key_frames", self.recent_key_frames, 1),
+            ("most_visits", self.most_visits, 1),
             ("optimize_every", self.optimize_every, 1),
             ("lost_after_scans", self.lost_after_scans, 1),
             ("redrawn_at_once", self.redrawn_at_once, 1),

@@ -128,7 +128,7 @@ impl Tracker {
     }
 
     /// The scan fits where the robot was put, and contradicts nothing: what is alike in parts is not enough.
-    fn is_sure_of(&mut self, view: &View<'_>) -> bool {
+    pub(super) fn is_sure_of(&mut self, view: &View<'_>) -> bool {
         let here = Prediction::around(self.frame_from_base);
         let Some(found) = self.front.place(&self.atlas, view.surface, &here) else { return false };
         self.frame_from_base = found.reference_from_scan;

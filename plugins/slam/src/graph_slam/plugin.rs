@@ -174,6 +174,11 @@ impl Slam for GraphSlam {
         Ok(self.tracker.trajectory())
     }
 
+    fn keep_no_trajectory(&mut self) {
+        self.settings.keeps_tracks = false;
+        self.tracker.settings.keeps_tracks = false;
+    }
+
     fn save_map(&self, map: &mut Map) -> Result<(), SlamError> {
         let atlas = self.tracker.settled();
         if !atlas.frames.is_empty() {

@@ -23,6 +23,8 @@ pub(super) struct TrackerSettings {
     pub key_frame_every: [f64; 2],
     /// Key frames that a scan is registered on.
     pub n_recent: usize,
+    /// After so many visits a place gets no more key frames.
+    pub most_visits: usize,
     /// Scans with fewer points say nothing.
     pub min_points: usize,
     /// Key frames from one optimization to the next, at least; and the share of all key frames.
@@ -32,6 +34,8 @@ pub(super) struct TrackerSettings {
     pub look_for_loops_every: usize,
     /// Scans that fit nowhere before the robot is lost.
     pub lost_after_scans: u32,
+    /// Somebody may ask where the robot was.
+    pub keeps_tracks: bool,
     /// Rounds of registering all neighbors again, for the trajectory.
     pub refine_rounds: usize,
 }
@@ -105,6 +109,7 @@ pub(super) struct Tracker {
     /// Frames that are to be tied to neighbors after a loop: the first, and the one after the last.
     pub catch_up: [usize; 2],
     pub tracks: Vec<Track>,
+
     pub left_out: LeftOut,
     pub n_loops: usize,
     /// Goes up whenever key frames have moved.
@@ -176,7 +181,9 @@ impl Tracker {
         }
         // Where a scan suddenly fits nowhere, the robot may have been carried away: no place for a key frame.
         let may_add = self.fit == Fit::Placed || self.fit == Fit::Guessed && was_blind && !self.is_doubtful;
-        if may_add && has_points && self.is_key_frame() {
+        let is_due = may_add && has_points && self.is_key_frame();
+        let view = View { scan, base_from_sensor, surface: &surface };
+        if is_due && !(self.fit == Fit::Placed && !self.is_adrift && self.goes_on_from_known(&view)) {
             let frame = KeyFrame {
                 scan: scan.clone(),
                 base_from_sensor: *base_from_sensor,
@@ -186,7 +193,7 @@ impl Tracker {
             self.add_key_frame(frame);
         }
         self.go_on();
-        if self.fit != Fit::Lost {
+        if self.fit != Fit::Lost && self.settings.keeps_tracks {
             self.tracks.push(Track { stamp, frame: self.front.frame, frame_from_base: self.frame_from_base });
         }
     }

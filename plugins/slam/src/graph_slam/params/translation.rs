@@ -56,6 +56,8 @@ impl GraphSlamParams {
             },
             key_frame_every: [self.key_frame_every_m, self.key_frame_every_deg.to_radians()],
             n_recent: self.recent_key_frames as usize,
+            keeps_tracks: true,
+            most_visits: self.most_visits as usize,
             min_points: self.min_points as usize,
             optimize_every: self.optimize_every as usize,
             optimize_share: self.optimize_share,

@@ -71,6 +71,33 @@ fn two_rounds_with_a_bad_odometer_end_on_the_truth_and_so_do_all_scans_and_walls
     }
 }
 
+/// Bytes of the whole state after each round, and how far off the robot is at the end.
+fn patrol(params: &GraphSlamParams, n_rounds: usize) -> (Vec<usize>, f64) {
+    let poses = rounds(n_rounds);
+    let (mut slam, mut map) = (built(params), Map::default());
+    slam.keep_no_trajectory();
+    slam.start(&at(poses[0]), &mut map).unwrap();
+    let mut off = 0.0;
+    let sizes = log(&poses, true)
+        .chunks(poses.len() / n_rounds)
+        .zip(poses.chunks(poses.len() / n_rounds))
+        .map(|(log, poses)| {
+            off = off_m(&drive(&mut *slam, &mut map, log).pose2(), poses.last().unwrap());
+            slam.save().unwrap().len()
+        })
+        .collect();
+    (sizes, off)
+}
+
+#[test]
+fn a_place_that_was_mapped_twice_needs_no_more_key_frames() {
+    let (sizes, end_m) = patrol(&GraphSlamParams { most_visits: 2, ..GraphSlamParams::default() }, 5);
+    let growth = sizes[4] as f64 / sizes[2] as f64 - 1.0;
+    assert!(growth < 0.02 && end_m < 0.05, "{sizes:?}: {growth}, {end_m} m");
+    let (sizes, _) = patrol(&GraphSlamParams { most_visits: 9, ..GraphSlamParams::default() }, 4);
+    assert!(sizes[3] as f64 > 1.25 * sizes[2] as f64, "without that it grows: {sizes:?}");
+}
+
 #[test]
 fn without_an_odometer_it_goes_on() {
     let poses = rounds(1);

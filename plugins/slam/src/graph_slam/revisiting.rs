@@ -1,0 +1,63 @@
+//! A place that was mapped often enough needs no more key frames: a robot on patrol would fill its memory with them, and each
+//! optimization would take longer than the one before.
+
+use super::contradiction::View;
+use super::loops::frames_of;
+use super::tracker::Tracker;
+
+/// Key frames as near as this are at the same place, meters and radians.
+const SAME_PLACE: [f64; 2] = [0.5, 0.35];
+/// Key frames this far apart in the order in which they were taken are of different visits.
+const VISITS_APART: usize = 20;
+/// From the new frame the robot is where it was from the old one, meters and radians: else the graph is not settled there.
+const MOST_MOVED: [f64; 2] = [0.1, 0.03];
+
+impl Tracker {
+    /// Instead of a new key frame the robot is seen from an old one, where enough of them are around and the scan surely fits.
+    /// Where something has changed it does not, and a new one is added.
+    pub(super) fn goes_on_from_known(&mut self, view: &View<'_>) -> bool {
+        let Some(place) = self.well_known_place() else { return false };
+        let here = self.map_from_base();
+        let (frame, frame_from_base) = (self.front.frame, self.frame_from_base);
+        let (frames, odom_from_frame) = (self.front.frames().to_vec(), self.odom_from_frame);
+        let place_from_base = self.atlas.pose(place).inverse() * here;
+        self.stand(place, place_from_base, &frames_of(&self.atlas, place));
+        if self.is_sure_of(view) {
+            let off = here.inverse() * self.map_from_base();
+            if off.translation.vector.norm() <= MOST_MOVED[0] && off.rotation.angle().abs() <= MOST_MOVED[1] {
+                return true;
+            }
+        }
+        self.stand(frame, frame_from_base, &frames);
+        self.odom_from_frame = odom_from_frame;
+        false
+    }
+
+    /// The nearest key frame here, if it was mapped at enough visits to which a short way through the graph leads.
+    fn well_known_place(&self) -> Option<usize> {
+        let here = self.map_from_base();
+        let off = |frame: usize| {
+            let off = here.inverse() * self.atlas.pose(frame);
+            (off.translation.vector.norm(), off.rotation.angle().abs())
+        };
+        let near: Vec<usize> = (0..self.atlas.frames.len())
+            .filter(|frame| {
+                let (off_m, off_rad) = off(*frame);
+                off_m <= SAME_PLACE[0] && off_rad <= SAME_PLACE[1]
+            })
+            .collect();
+        if near.len() < self.settings.most_visits {
+            return None;
+        }
+        let ways = self.atlas.ways_from(self.front.frame, self.settings.tie.trusted_way_m);
+        let known: Vec<usize> =
+            near.into_iter().filter(|frame| ways.get(*frame).is_some_and(|way| way.is_finite())).collect();
+        let n_visits = 1 + known
+            .iter()
+            .zip(known.iter().skip(1))
+            .filter(|(one, next)| *next - *one > VISITS_APART)
+            .count();
+        let nearest = known.iter().copied().min_by(|a, b| off(*a).0.total_cmp(&off(*b).0))?;
+        (n_visits >= self.settings.most_visits).then_some(nearest)
+    }
+}
