@@ -5,7 +5,6 @@ mod check;
 mod compare;
 mod emulate;
 mod eval;
-mod hard_places;
 mod help;
 mod map;
 mod marks;

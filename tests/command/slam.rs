@@ -40,7 +40,7 @@ fn halves(folder: &Path, at_s: f64) -> [PathBuf; 2] {
 }
 
 /// How far a point is from the nearest wall, meters.
-pub fn off(point: [f64; 2], walls: &[Line]) -> f64 {
+fn off(point: [f64; 2], walls: &[Line]) -> f64 {
     let distance = |wall: &Line| {
         let along = [wall.to[0] - wall.from[0], wall.to[1] - wall.from[1]];
         let from = [point[0] - wall.from[0], point[1] - wall.from[1]];
