@@ -1,13 +1,11 @@
 //! Where has the robot come back to? What was seen lately is laid on what was seen there before, wherever it may fit.
 
-use super::atlas::Atlas;
-use super::nearest::NearestTable;
-use super::point_table::{RESOLUTION_M, points_of, table_of, thinned};
-use super::registration::{Expected, register};
+use super::atlas::{Atlas, TieSettings};
+use super::place_search::{Belief, PlaceSearch, apart_from};
+use super::point_table::thinned;
 use super::surface::SurfacePoint;
-use nalgebra::Matrix3;
 use rumbo_core::frames::Pose2;
-use rumbo_kit::correlative::{Apart, CorrelativeSearch, SearchWindow, turn_step_rad};
+use rumbo_kit::correlative::SearchWindow;
 
 /// How places are recognized.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,8 +48,6 @@ const PLACE_FRAMES: usize = 15;
 const PLACES_APART_M: f64 = 4.0;
 /// Frames that nothing ties together are taken to be so far apart, meters.
 const NO_WAY_M: f64 = 1e3;
-/// An answer elsewhere is at least this far from the best one, meters and radians.
-const ELSEWHERE: [f64; 2] = [1.0, 0.4];
 
 /// Where a frame was taken, as seen from one of an earlier visit.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,8 +105,7 @@ impl Look {
 /// Searches places, and keeps its memory.
 #[derive(Debug, Default)]
 pub(super) struct LoopSearch {
-    search: CorrelativeSearch,
-    table: NearestTable,
+    search: PlaceSearch,
 }
 
 impl LoopSearch {
@@ -162,12 +157,10 @@ impl LoopSearch {
         }
         let best = all.iter().max_by(|a, b| a.score.total_cmp(&b.score))?.clone();
         // The same place is found from several frames; another one that fits about as well is a rival.
-        let map_from_best = atlas.pose(best.place) * best.place_from_frame;
+        let map_from_frame = |found: &Recognized| atlas.pose(found.place) * found.place_from_frame;
+        let here = apart_from(&map_from_frame(&best));
         let is_rival = |other: &Recognized| {
-            let off = map_from_best.inverse() * atlas.pose(other.place) * other.place_from_frame;
-            let is_elsewhere =
-                off.translation.vector.norm() > ELSEWHERE[0] || off.rotation.angle().abs() > ELSEWHERE[1];
-            is_elsewhere && other.score > settings.most_rival * best.score
+            other.score > settings.most_rival * best.score && !here.excludes(&map_from_frame(other))
         };
         (!all.iter().any(is_rival)).then_some(best)
     }
@@ -183,36 +176,11 @@ impl LoopSearch {
     ) -> Option<Recognized> {
         let frames = frames_of(atlas, place);
         let sheet: Vec<SurfacePoint> = atlas.surfaces(frames.iter().copied(), place).collect();
-        let (table, grid_from_place) = table_of(&sheet)?;
-        let points = points_of(lately);
-        let window = SearchWindow {
-            grid_from_base: grid_from_place * window.grid_from_base,
-            step_rad: turn_step_rad(&points, RESOLUTION_M).max(0.008),
-            ..*window
-        };
-        let best = self.search.best(&table, &points, &window, None).ok()??;
-        let apart =
-            Apart { grid_from_base: best.grid_from_base, distance_m: ELSEWHERE[0], turn_rad: ELSEWHERE[1] };
-        let rival = SearchWindow { least_score: most_rival * best.score, ..window };
-        // A search that gives up has seen too many that fit about as well.
-        if self.search.best(&table, &points, &rival, Some(&apart)).ok()?.is_some() {
-            return None;
-        }
-        self.table.fill(sheet.into_iter());
-        let expected = Expected {
-            reference_from_scan: grid_from_place.inverse() * best.grid_from_base,
-            information: Matrix3::zeros(),
-            half_at: 1.0,
-            first_gate_m: 0.4,
-        };
-        let found = register(&self.table, lately, &expected, &atlas.settings.registration)?;
-        let off = expected.reference_from_scan.inverse() * found.reference_from_scan;
-        let is_believed = found.overlap >= atlas.settings.least_overlap
-            && found.agreement >= atlas.settings.least_agreement
-            && off.translation.vector.norm() < 0.4
-            && off.rotation.angle().abs() < 0.1;
-        let place_from_frame = found.reference_from_scan;
-        is_believed.then_some(Recognized { place, place_from_frame, score: best.score, frames })
+        let TieSettings { registration, least_overlap, least_agreement, .. } = atlas.settings;
+        let belief = Belief { registration, least_overlap, least_agreement };
+        let found = self.search.find(&sheet, lately, window, Some(most_rival), &belief)?;
+        let place_from_frame = found.registered.reference_from_scan;
+        Some(Recognized { place, place_from_frame, score: found.score, frames })
     }
 }
 

@@ -12,6 +12,7 @@ mod key_frames;
 mod loops;
 pub(crate) mod nearest;
 mod params;
+pub(crate) mod place_search;
 mod placing;
 mod plugin;
 pub(crate) mod point_table;

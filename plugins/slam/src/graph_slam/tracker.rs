@@ -109,7 +109,6 @@ pub(super) struct Tracker {
     /// Frames that are to be tied to neighbors after a loop: the first, and the one after the last.
     pub catch_up: [usize; 2],
     pub tracks: Vec<Track>,
-
     pub left_out: LeftOut,
     pub n_loops: usize,
     /// Goes up whenever key frames have moved.
@@ -182,7 +181,6 @@ impl Tracker {
         // Where a scan suddenly fits nowhere, the robot may have been carried away: no place for a key frame.
         let may_add = self.fit == Fit::Placed || self.fit == Fit::Guessed && was_blind && !self.is_doubtful;
         let is_due = may_add && has_points && self.is_key_frame();
-        let view = View { scan, base_from_sensor, surface: &surface };
         if is_due && !(self.fit == Fit::Placed && !self.is_adrift && self.goes_on_from_known(&view)) {
             let frame = KeyFrame {
                 scan: scan.clone(),

@@ -8,14 +8,14 @@ mod places;
 mod sheet;
 
 use super::archive::Archive;
-use crate::graph_slam::nearest::NearestTable;
-use crate::graph_slam::point_table::{RESOLUTION_M, points_of, table_of, thinned};
-use crate::graph_slam::registration::{Expected, Registered, RegistrationSettings, register};
+use crate::graph_slam::place_search::{Belief, PlaceSearch, apart_from};
+use crate::graph_slam::point_table::thinned;
+use crate::graph_slam::registration::RegistrationSettings;
 use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint};
 use nalgebra::Matrix3;
 use places::{TRUSTED_WAY_M, along, around, places_of};
 use rumbo_core::frames::Pose2;
-use rumbo_kit::correlative::{Apart, CorrelativeSearch, SearchWindow, turn_step_rad};
+use rumbo_kit::correlative::SearchWindow;
 use sheet::surfaces;
 
 /// How places are recognized.
@@ -59,22 +59,17 @@ const KNOWN_PLACES_M: f64 = 3.0;
 const KNOWN_REACH: [f64; 2] = [0.4, 0.1];
 /// So far to each side turned, radians.
 const REACH_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
-/// A place elsewhere must fit less than this share of the best one, ...
+/// A place elsewhere must fit less than this share of the best one.
 const MOST_RIVAL: f64 = 0.9;
-/// ... where elsewhere is at least so far from it, meters and radians.
-const ELSEWHERE: [f64; 2] = [1.0, 0.4];
 /// Steps that what was seen lately consists of.
 const N_LATELY: usize = 12;
 /// After so many nodes a search gives up.
 const MOST_NODES: usize = 400_000;
-/// A registration that moves a place farther than this is of another one, meters and radians.
-const MOST_REFINED: [f64; 2] = [0.4, 0.1];
 
 /// Looks for places, and keeps its memory.
 #[derive(Debug, Default)]
 pub struct Closing {
-    search: CorrelativeSearch,
-    table: NearestTable,
+    search: PlaceSearch,
 }
 
 impl Closing {
@@ -149,36 +144,14 @@ impl Closing {
     ) -> Option<Recognized> {
         let Seen { archive, way, settings, lately, .. } = seen;
         let sheet = surfaces(archive, way, around(archive, way, place), place, &settings.limits);
-        let (table, grid_from_place) = table_of(&sheet)?;
-        let points = points_of(lately);
-        let window = SearchWindow {
-            grid_from_base: grid_from_place * window.grid_from_base,
-            step_rad: turn_step_rad(&points, RESOLUTION_M).max(0.008),
-            ..*window
-        };
-        let best = self.search.best(&table, &points, &window, None).ok()??;
-        if let Some(share) = most_rival {
-            let [distance_m, turn_rad] = ELSEWHERE;
-            let apart = Apart { grid_from_base: best.grid_from_base, distance_m, turn_rad };
-            let rival = SearchWindow { least_score: share * best.score, ..window };
-            // A search that gives up has seen too many that fit about as well.
-            if self.search.best(&table, &points, &rival, Some(&apart)).ok()?.is_some() {
-                return None;
-            }
-        }
-        self.table.fill(sheet.into_iter());
-        let expected = Expected {
-            reference_from_scan: grid_from_place.inverse() * best.grid_from_base,
-            information: Matrix3::zeros(),
-            half_at: 1.0,
-            first_gate_m: 0.4,
-        };
-        let found = register(&self.table, lately, &expected, &settings.registration)?;
-        is_believed(&found, &expected.reference_from_scan, settings).then_some(Recognized {
+        let ClosingSettings { registration, least_overlap, least_agreement, .. } = **settings;
+        let belief = Belief { registration, least_overlap, least_agreement };
+        let found = self.search.find(&sheet, lately, window, most_rival, &belief)?;
+        Some(Recognized {
             place,
-            place_from_here: found.reference_from_scan,
-            information: found.information,
-            score: best.score,
+            place_from_here: found.registered.reference_from_scan,
+            information: found.registered.information,
+            score: found.score,
         })
     }
 }
@@ -214,20 +187,10 @@ impl Seen<'_> {
 fn without_rival(places: &[Recognized], way: &[Pose2]) -> Option<Recognized> {
     let map_from_here = |found: &Recognized| Some(way.get(found.place)? * found.place_from_here);
     let best = places.iter().max_by(|a, b| a.score.total_cmp(&b.score))?;
-    let here_from_map = map_from_here(best)?.inverse();
+    let here = apart_from(&map_from_here(best)?);
     let is_rival = |other: &Recognized| {
-        let Some(off) = map_from_here(other).map(|pose| here_from_map * pose) else { return false };
-        let is_elsewhere =
-            off.translation.vector.norm() > ELSEWHERE[0] || off.rotation.angle().abs() > ELSEWHERE[1];
+        let is_elsewhere = map_from_here(other).is_some_and(|pose| !here.excludes(&pose));
         is_elsewhere && other.score > MOST_RIVAL * best.score
     };
     (!places.iter().any(is_rival)).then_some(*best)
-}
-
-fn is_believed(found: &Registered, place_from_guess: &Pose2, settings: &ClosingSettings) -> bool {
-    let off = place_from_guess.inverse() * found.reference_from_scan;
-    found.overlap >= settings.least_overlap
-        && found.agreement >= settings.least_agreement
-        && off.translation.vector.norm() < MOST_REFINED[0]
-        && off.rotation.angle().abs() < MOST_REFINED[1]
 }
