@@ -183,11 +183,11 @@ fn a_camera_comes_back_to_where_it_began_and_its_walls_are_where_they_are() {
     }
 }
 
-/// What it drifted by before is spread over the map when the loop is closed, and its walls are twice as far off.
+/// The same with its loop closed, which takes away what it has drifted by.
 #[test]
 fn a_camera_closes_its_loop() {
-    for seed in 1..=3 {
+    for seed in 1..=5 {
         let [end_m, map_m] = ends("finder_camera_loop", seed);
-        assert!(end_m <= 0.05 && map_m <= 0.25, "seed {seed}: {end_m} m at the end, walls {map_m} m");
+        assert!(end_m <= 0.05 && map_m <= 0.15, "seed {seed}: {end_m} m at the end, walls {map_m} m");
     }
 }

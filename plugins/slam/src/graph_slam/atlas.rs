@@ -4,8 +4,8 @@ use super::contradiction::View;
 use super::nearest::NearestTable;
 use super::registration::RegistrationSettings;
 use super::surface::{SurfacePoint, Turn};
-use nalgebra::{Matrix3, Vector3};
-use rumbo_core::frames::{Pose2, Pose3};
+use nalgebra::{Matrix2, Matrix3, Vector3};
+use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
 use rumbo_kit::pose_graph::{Constraint, GraphOptimizer, OptimizeSettings, PoseGraph, RobustKernel};
 use std::cmp::Reverse;
@@ -52,12 +52,24 @@ pub(super) struct TieSettings {
     pub trusted_way_m: f64,
     /// Error of the odometer: at least, and a share of the way (meters), and the same of the turn (radians).
     pub odometer: [f64; 4],
+    /// Error of a gyroscope's turn: at least, radians; a drift, rad/s; and a share of the turn.
+    pub gyroscope: [f64; 3],
     /// Deviations at which a tie begins to count less.
     pub kernel_c: f64,
 }
 
+impl TieSettings {
+    /// How far a turn by the gyroscope may be off, radians.
+    pub fn off_by_gyroscope_rad(&self, turn_rad: f64, seconds: f64) -> f64 {
+        let [least_rad, drift_rad_s, share] = self.gyroscope;
+        least_rad + drift_rad_s * seconds + share * turn_rad.abs()
+    }
+}
+
 /// Wheels spin, castors swing around, readings come late: what the odometer says is doubted where it is far off.
 const ODOMETER: RobustKernel = RobustKernel::Cauchy { c: 1.0 };
+/// A base that is pushed over an edge or leans turns otherwise than its gyroscope says.
+const GYROSCOPE: RobustKernel = RobustKernel::Cauchy { c: 2.0 };
 /// Error of the odometer between two key frames beside that of the way, meters.
 const BETWEEN_FRAMES_M: f64 = 0.02;
 /// A turn of one radian is as long a way as this, meters.
@@ -134,6 +146,12 @@ impl Atlas {
         Some(node)
     }
 
+    /// Adds what the gyroscope says of the turn between two frames.
+    pub fn bind_turn(&mut self, from: usize, to: usize, turn_rad: f64, off_rad: f64) {
+        let information = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, off_rad.powi(-2)));
+        self.bind(from, to, pose2(0.0, 0.0, turn_rad), information, GYROSCOPE);
+    }
+
     /// Pairs that were registered.
     pub fn tried(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         self.tried.iter().copied()
@@ -171,7 +189,10 @@ impl Atlas {
     }
 
     fn add_way(&mut self, constraint: &Constraint) {
-        let Constraint { from: Some(from), to, from_to, .. } = *constraint else { return };
+        let Constraint { from: Some(from), to, from_to, information, .. } = *constraint else { return };
+        if information.fixed_view::<2, 2>(0, 0) == Matrix2::zeros() {
+            return;
+        }
         let way_m = from_to.translation.vector.norm() + TURN_AS_WAY_M * from_to.rotation.angle().abs();
         for (a, b) in [(from, to), (to, from)] {
             self.ways.iter_mut().skip(a).take(1).for_each(|ways| ways.push((b, way_m)));

@@ -28,14 +28,23 @@ impl Tracker {
     }
 
     pub(super) fn add_key_frame(&mut self, frame: KeyFrame) {
-        let odom_from_base = self.before.and_then(|before| before.odom_from_base);
+        let reckoned = self.before.map(|before| before.reckoned);
+        let since = self.frame_reckoned.zip(reckoned);
         let is_first = self.atlas.frames.is_empty();
-        let by_odometer = self.odom_from_frame.zip(odom_from_base).map(|(from, to)| from.inverse() * to);
+        let by_odometer =
+            since.and_then(|(then, now)| Some(then.odom_from_base?.inverse() * now.odom_from_base?));
         let before = (!is_first).then(|| (self.front.frame, by_odometer.unwrap_or(self.frame_from_base)));
         let map_from_base = if is_first { self.first_pose } else { self.map_from_base() };
         let Some(added) = self.atlas.add(frame, &map_from_base, before) else { return };
         self.frame_from_base = Pose2::identity();
-        self.odom_from_frame = odom_from_base;
+        self.frame_reckoned = reckoned;
+        if let (Some((before, _)), Some((then, now))) = (before, since)
+            && let Some(turn_rad) = now.turn_since(&then)
+        {
+            let off_rad =
+                self.settings.tie.off_by_gyroscope_rad(turn_rad, (now.stamp - then.stamp).as_secs());
+            self.atlas.bind_turn(before, added, turn_rad, off_rad);
+        }
         let n_known = self.atlas.graph.constraints().len();
         self.atlas.tie_neighbors(added);
         self.since_optimized += 1;

@@ -50,6 +50,9 @@ pub struct GraphSlamParams {
     pub noise_m: f64,
     /// Noise of a point that lies on no surface, meters.
     pub loose_noise_m: f64,
+    /// The noise of a reading grows by this times the square of its range, 1/m: 0.0015 for a depth camera, 0 for a laser. Where it
+    /// does, points are moved onto the line through their neighbors, and count by what noise that leaves.
+    pub noise_growing_1_m: f64,
     /// Points farther apart than this are no pair, meters.
     pub gate_m: f64,
     /// Share of the information of all pairs of points that is believed: neighboring points err alike.
@@ -66,6 +69,12 @@ pub struct GraphSlamParams {
     pub odometer_least_deg: f64,
     /// The same as a share of the turn.
     pub odometer_turn_share: f64,
+    /// Error of a gyroscope's turn from one scan to the next, or from one key frame to the next: at least, degrees ...
+    pub gyroscope_least_deg: f64,
+    /// ... with time, degrees a second ...
+    pub gyroscope_deg_s: f64,
+    /// ... and as a share of the turn.
+    pub gyroscope_share: f64,
     /// Deviations at which a tie between key frames begins to count less: false ones shall not bend the map.
     pub kernel_deviations: f64,
     /// How loops are found.
@@ -146,6 +155,7 @@ impl Default for GraphSlamParams {
             tie_reach_m: 3.0,
             noise_m: 0.02,
             loose_noise_m: 0.3,
+            noise_growing_1_m: 0.0,
             gate_m: 0.2,
             believed_share: 0.05,
             least_overlap: 0.4,
@@ -154,6 +164,9 @@ impl Default for GraphSlamParams {
             odometer_share: 0.1,
             odometer_least_deg: 2.0,
             odometer_turn_share: 0.5,
+            gyroscope_least_deg: 0.1,
+            gyroscope_deg_s: 0.3,
+            gyroscope_share: 0.01,
             kernel_deviations: 3.0,
             loops: LoopParams::default(),
             optimize_every: 10,
@@ -180,6 +193,7 @@ impl Params for GraphSlamParams {
             ("gate_m", self.gate_m),
             ("odometer_least_m", self.odometer_least_m),
             ("odometer_least_deg", self.odometer_least_deg),
+            ("gyroscope_least_deg", self.gyroscope_least_deg),
             ("kernel_deviations", self.kernel_deviations),
             ("loops.trusted_way_m", loops.trusted_way_m),
             ("loops.most_reach_m", loops.most_reach_m),
@@ -191,6 +205,9 @@ impl Params for GraphSlamParams {
             ("tie_reach_m", self.tie_reach_m),
             ("odometer_share", self.odometer_share),
             ("odometer_turn_share", self.odometer_turn_share),
+            ("gyroscope_deg_s", self.gyroscope_deg_s),
+            ("gyroscope_share", self.gyroscope_share),
+            ("noise_growing_1_m", self.noise_growing_1_m),
             ("optimize_share", self.optimize_share),
             ("loops.drift_share", loops.drift_share),
             ("loops.least_reach_m", loops.least_reach_m),

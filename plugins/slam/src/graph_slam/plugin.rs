@@ -83,15 +83,15 @@ impl GraphSlam {
             turn.matrix() * tracker.covariance * turn.matrix().transpose()
         };
         let covariance = (turned + turned.transpose()) * 0.5 + Matrix3::identity() * 1e-8;
-        let newest = tracker.odometry.newest().filter(|(stamp, _)| *stamp > before.stamp);
-        let (stamp, pose, odom_from_base) = match (before.odom_from_base, newest) {
+        let newest = tracker.odometry.newest().filter(|(stamp, _)| *stamp > before.reckoned.stamp);
+        let (stamp, pose, odom_from_base) = match (before.reckoned.odom_from_base, newest) {
             (Some(then), Some((stamp, odom))) => (stamp, at_scan * (then.inverse() * odom), odom),
-            (Some(then), None) => (before.stamp, at_scan, then),
+            (Some(then), None) => (before.reckoned.stamp, at_scan, then),
             // Without an odometer the frame that it would count in stays where the base is.
-            (None, _) => (before.stamp, at_scan, Pose2::identity()),
+            (None, _) => (before.reckoned.stamp, at_scan, Pose2::identity()),
         };
         let mut estimate = Estimate::planar(stamp, pose, odom_from_base, covariance);
-        let blind_s = (stamp.max(now) - before.stamp).as_secs();
+        let blind_s = (stamp.max(now) - before.reckoned.stamp).as_secs();
         estimate.status = match tracker.fit {
             Fit::Placed if !tracker.is_adrift && blind_s <= BLIND_AFTER_S => Status::Tracking,
             Fit::Placed => Status::Converging,

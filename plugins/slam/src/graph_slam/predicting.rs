@@ -1,7 +1,7 @@
 //! Where will the next scan have been taken? The wheels say it, a gyroscope, or the motion before.
 
 use super::front_end::Prediction;
-use super::tracker::{BLIND_AFTER_S, Tracker};
+use super::tracker::{BLIND_AFTER_S, Reckoned, Tracker};
 use crate::gyro::Heading;
 use nalgebra::UnitComplex;
 use rumbo_core::frames::{Pose2, interpolate2};
@@ -12,8 +12,6 @@ const MOST_OFF_M: f64 = 0.5;
 /// Errors of a guess without an odometer, shares of the gap between two scans.
 const GUESS_M_S: f64 = 1.0;
 const GUESS_RAD_S: f64 = 1.0;
-/// Errors of a turn by the gyroscope: at least, radians; a drift, rad/s; and a share of the turn.
-const GYRO: [f64; 3] = [0.01, 0.01, 0.02];
 
 impl Tracker {
     pub(super) fn predict(&self, stamp: Time) -> Prediction {
@@ -32,12 +30,12 @@ impl Tracker {
                 is_blind: false,
             };
         };
-        let seconds = (stamp - before.stamp).as_secs();
-        let odom_from_base = self.odom_at(stamp);
+        let now = self.reckoned_at(stamp);
+        let seconds = (stamp - before.reckoned.stamp).as_secs();
         let [least_m, share_m, least_rad, share_rad] = self.settings.tie.odometer;
         let share = if before.seconds > 0.0 { (seconds / before.seconds).min(3.0) } else { 0.0 };
         let as_before = interpolate2(&Pose2::identity(), &before.motion, share);
-        let (mut motion, mut deviation) = match (before.odom_from_base, odom_from_base) {
+        let (mut motion, mut deviation) = match (before.reckoned.odom_from_base, now.odom_from_base) {
             (Some(last), Some(now)) => {
                 let motion = last.inverse() * now;
                 let off_m = least_m + share_m * motion.translation.vector.norm();
@@ -45,14 +43,12 @@ impl Tracker {
             }
             _ => (as_before, [least_m + GUESS_M_S * seconds, least_rad + GUESS_RAD_S * seconds]),
         };
-        let has_odometer = odom_from_base.is_some() && before.odom_from_base.is_some();
+        let has_odometer = now.odom_from_base.is_some() && before.reckoned.odom_from_base.is_some();
         let is_far = has_odometer && deviation[0] > MOST_OFF_M;
         let is_blind = !has_odometer && seconds > BLIND_AFTER_S;
-        let heading = self.heading_at(stamp).zip(before.heading);
-        if let Some(turn_rad) = heading.and_then(|(now, then)| now.since(&then)) {
+        if let Some(turn_rad) = now.turn_since(&before.reckoned) {
             motion.rotation = UnitComplex::new(turn_rad);
-            let [least_rad, drift_rad_s, share] = GYRO;
-            deviation[1] = least_rad + drift_rad_s * seconds + share * turn_rad.abs();
+            deviation[1] = self.settings.tie.off_by_gyroscope_rad(turn_rad, seconds);
         }
         let first_gate_m = (2.0 * deviation[0] + 10.0 * deviation[1]).clamp(0.3, 0.5);
         let here = self.frame_from_base;
@@ -65,6 +61,11 @@ impl Tracker {
             is_far,
             is_blind,
         }
+    }
+
+    /// What odometer and gyroscope say of a time, as well as it is known yet.
+    pub(super) fn reckoned_at(&self, stamp: Time) -> Reckoned {
+        Reckoned { stamp, odom_from_base: self.odom_at(stamp), heading: self.heading_at(stamp) }
     }
 
     /// The odometer at a time, as well as it is known yet.

@@ -182,8 +182,10 @@ impl Noise {
         if !point.is_flat() {
             return [self.loose, 0.0, self.loose];
         }
-        let more = self.across - self.along;
-        [self.along + more * x * x, more * x * y, self.along + more * y * y]
+        let across = self.across + point.variance_m2;
+        let along = self.along.max(across);
+        let more = across - along;
+        [along + more * x * x, more * x * y, along + more * y * y]
     }
 
     /// xx, xy, yy of the inverse of the sum of both covariances.

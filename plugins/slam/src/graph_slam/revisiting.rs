@@ -19,7 +19,7 @@ impl Tracker {
         let Some(place) = self.well_known_place() else { return false };
         let here = self.map_from_base();
         let (frame, frame_from_base) = (self.front.frame, self.frame_from_base);
-        let (frames, odom_from_frame) = (self.front.frames().to_vec(), self.odom_from_frame);
+        let (frames, frame_reckoned) = (self.front.frames().to_vec(), self.frame_reckoned);
         let place_from_base = self.atlas.pose(place).inverse() * here;
         self.stand(place, place_from_base, &frames_of(&self.atlas, place));
         if self.is_sure_of(view) {
@@ -29,7 +29,7 @@ impl Tracker {
             }
         }
         self.stand(frame, frame_from_base, &frames);
-        self.odom_from_frame = odom_from_frame;
+        self.frame_reckoned = frame_reckoned;
         false
     }
 

@@ -3,7 +3,7 @@
 use super::atlas::{Atlas, KeyFrame};
 use super::saved_look::{look, put_look};
 use super::surface::surface_of;
-use super::tracker::{Before, Fit, Track, Tracker, TrackerSettings};
+use super::tracker::{Before, Fit, Reckoned, Track, Tracker, TrackerSettings};
 use crate::gyro::{Gyro, Heading};
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion};
 use rumbo_core::frames::{Pose2, Pose3, is_finite2, is_finite3, pose2};
@@ -12,7 +12,7 @@ use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::time::Time;
 use rumbo_kit::pose_graph::{Constraint, RobustKernel};
 
-const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 4 };
+const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 5 };
 
 /// Everything that the next scan depends on.
 pub(super) fn write(tracker: &Tracker) -> Vec<u8> {
@@ -47,14 +47,9 @@ fn put_robot(to: &mut Vec<u8>, tracker: &Tracker) {
     put_pose(to, &tracker.frame_from_base);
     put_pose(to, &tracker.first_pose);
     put_numbers(to, tracker.covariance.iter());
-    put_some(to, tracker.odom_from_frame.as_ref(), put_pose);
+    put_some(to, tracker.frame_reckoned.as_ref(), put_reckoned);
     put_some(to, tracker.before.as_ref(), |to, before| {
-        to.extend(before.stamp.0.to_le_bytes());
-        put_some(to, before.odom_from_base.as_ref(), put_pose);
-        put_some(to, before.heading.as_ref(), |to, heading| {
-            put_count(to, heading.run as usize);
-            put_pose(to, &heading.turn);
-        });
+        put_reckoned(to, &before.reckoned);
         put_pose(to, &before.motion);
         to.extend(before.seconds.to_le_bytes());
     });
@@ -78,6 +73,22 @@ fn put_robot(to: &mut Vec<u8>, tracker: &Tracker) {
     put_count(to, tracker.n_loops);
     tracker.catch_up.iter().for_each(|frame| put_count(to, *frame));
     put_some(to, tracker.look.as_ref(), put_look);
+}
+
+fn put_reckoned(to: &mut Vec<u8>, reckoned: &Reckoned) {
+    to.extend(reckoned.stamp.0.to_le_bytes());
+    put_some(to, reckoned.odom_from_base.as_ref(), put_pose);
+    put_some(to, reckoned.heading.as_ref(), |to, heading| {
+        put_count(to, heading.run as usize);
+        put_pose(to, &heading.turn);
+    });
+}
+
+fn reckoned(from: &mut Reader<'_>) -> Option<Reckoned> {
+    let stamp = Time(from.i64()?);
+    let odom_from_base = some(from, pose)?;
+    let heading = some(from, |from| Some(Heading { run: from.u32()?, turn: pose(from)? }))?;
+    Some(Reckoned { stamp, odom_from_base, heading })
 }
 
 /// The state that was saved.
@@ -141,12 +152,9 @@ fn robot(from: &mut Reader<'_>, tracker: &mut Tracker) -> Option<()> {
     tracker.first_pose = pose(from)?;
     let numbers = numbers::<9>(from)?;
     tracker.covariance = Matrix3::from_column_slice(&numbers);
-    tracker.odom_from_frame = some(from, pose)?;
+    tracker.frame_reckoned = some(from, reckoned)?;
     tracker.before = some(from, |from| {
-        let stamp = Time(from.i64()?);
-        let odom_from_base = some(from, pose)?;
-        let heading = some(from, |from| Some(Heading { run: from.u32()?, turn: pose(from)? }))?;
-        Some(Before { stamp, odom_from_base, heading, motion: pose(from)?, seconds: from.f64()? })
+        Some(Before { reckoned: reckoned(from)?, motion: pose(from)?, seconds: from.f64()? })
     })?;
     if let Some((stamp, odom)) = some(from, |from| Some((Time(from.i64()?), pose(from)?)))? {
         tracker.odometry.push(stamp, odom);

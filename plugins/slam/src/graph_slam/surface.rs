@@ -10,6 +10,8 @@ pub(crate) struct SurfacePoint {
     pub at: [f32; 2],
     /// Where the surface faces, toward the sensor that saw it; zero where the points around it are no surface.
     pub normal: [f32; 2],
+    /// Variance across the surface beside that of every point, square meters.
+    pub variance_m2: f32,
 }
 
 impl SurfacePoint {
@@ -20,7 +22,14 @@ impl SurfacePoint {
 
     /// The same point from another frame.
     pub fn seen_from(&self, frame: &Turn) -> SurfacePoint {
-        SurfacePoint { at: frame.place(self.at), normal: frame.direction(self.normal) }
+        SurfacePoint { at: frame.place(self.at), normal: frame.direction(self.normal), ..*self }
+    }
+
+    /// The same point of a surface that can be seen from here.
+    fn facing(self, sensor: [f32; 2]) -> SurfacePoint {
+        let [x, y] = [sensor[0] - self.at[0], sensor[1] - self.at[1]];
+        let is_away = x * self.normal[0] + y * self.normal[1] < 0.0;
+        SurfacePoint { normal: if is_away { self.normal.map(|v| -v) } else { self.normal }, ..self }
     }
 }
 
@@ -62,6 +71,8 @@ pub(crate) struct SurfaceLimits {
     /// A surface reaches so many times what two beams are apart on a wall seen straight on, if that is more: far along a
     /// corridor beams meet the walls at a slant, and points with fewer than three on their surface tell no direction.
     pub reach_beams: f32,
+    /// Noise of a reading grows by this times the square of the range, 1/m: a depth camera's.
+    pub noise_growing_1_m: f32,
     /// Neighbors farther apart than so many times what their beams would be on a wall seen straight on are parts of
     /// different things.
     pub steepest: f32,
@@ -75,12 +86,19 @@ impl SurfaceLimits {
         window_m: 0.25,
         most_rough_m: 0.03,
         reach_beams: 15.0,
+        noise_growing_1_m: 0.0,
         steepest: 15.0,
     };
 }
 
 /// Beams to each side that tell the direction of a surface at most.
 const MOST_NEIGHBORS: usize = 8;
+/// Points with more noise than this are on no surface, meters: the error of a map of rubble was least with it (0.03 to 0.06).
+const MOST_NOISE_M: f32 = 0.05;
+/// A line's points may lie so many times their noise off it.
+const ROUGH_BY_NOISE: f32 = 1.5;
+/// Lines of neighboring points are of much the same points, and err alike: they count as so many points of their own.
+const OWN_SHARE: f32 = 0.3;
 
 /// The points of a scan in the base frame; roll and pitch of the sensor count.
 pub(crate) fn surface_of(
@@ -109,26 +127,34 @@ pub(crate) fn surface_of(
     let step = scan.bearing_step_rad.abs() as f32;
     let point = |(idx, placed_here): (usize, &Option<([f32; 2], f32)>)| {
         let (at, range_m) = (*placed_here)?;
-        let normal = normal_at(&placed, idx, at, range_m, step, limits);
-        Some(SurfacePoint { at, normal: facing(normal, at, sensor) })
+        let noise_m = limits.noise_growing_1_m * range_m * range_m;
+        let around = neighbors(&placed, idx, at, range_m, step, limits);
+        Some(point_among(&around, at, noise_m, limits).facing(sensor))
     };
     placed.iter().enumerate().filter_map(point).collect()
 }
 
-fn facing(normal: [f32; 2], at: [f32; 2], sensor: [f32; 2]) -> [f32; 2] {
-    let toward = (sensor[0] - at[0]) * normal[0] + (sensor[1] - at[1]) * normal[1];
-    if toward < 0.0 { normal.map(|v| -v) } else { normal }
+/// Where readings are noisy, a point is moved onto the line through those around it.
+fn point_among(around: &Sums, at: [f32; 2], noise_m: f32, limits: &SurfaceLimits) -> SurfacePoint {
+    let most_rough_m = (limits.most_rough_m as f32).max(ROUGH_BY_NOISE * noise_m);
+    let normal = if noise_m > MOST_NOISE_M { [0.0; 2] } else { around.normal(most_rough_m) };
+    if noise_m == 0.0 || normal == [0.0; 2] {
+        return SurfacePoint { at, normal, variance_m2: noise_m * noise_m };
+    }
+    let off_m = (around.x * normal[0] + around.y * normal[1]) / around.n;
+    let at = [at[0] + off_m * normal[0], at[1] + off_m * normal[1]];
+    SurfacePoint { at, normal, variance_m2: noise_m * noise_m / (OWN_SHARE * around.n).max(1.0) }
 }
 
-/// Direction across the line through the neighbors; zero where they are too few, or no line.
-fn normal_at(
+/// What a line through a point and its neighbors is made of, seen from the point.
+fn neighbors(
     placed: &[Option<([f32; 2], f32)>],
     idx: usize,
     at: [f32; 2],
     range_m: f32,
     step_rad: f32,
     limits: &SurfaceLimits,
-) -> [f32; 2] {
+) -> Sums {
     let mut sums = Sums::default();
     sums.add([0.0; 2]);
     let reach_m = (limits.window_m as f32).max(limits.reach_beams * step_rad * range_m);
@@ -150,7 +176,7 @@ fn normal_at(
     };
     walk(&mut before.into_iter());
     walk(&mut after.into_iter());
-    sums.normal(limits.most_rough_m as f32)
+    sums
 }
 
 #[derive(Debug, Clone, Copy, Default)]
@@ -173,6 +199,7 @@ impl Sums {
         self.yy += y * y;
     }
 
+    /// Direction across the line through the points; zero where they are too few, or no line.
     fn normal(&self, most_rough_m: f32) -> [f32; 2] {
         if self.n < 3.0 {
             return [0.0; 2];

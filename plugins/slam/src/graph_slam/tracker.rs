@@ -59,12 +59,25 @@ pub(super) struct Track {
     pub frame_from_base: Pose2,
 }
 
-/// What was before the scan that comes now.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Before {
+/// What odometer and gyroscope said at some time.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Reckoned {
     pub stamp: Time,
     pub odom_from_base: Option<Pose2>,
     pub heading: Option<Heading>,
+}
+
+impl Reckoned {
+    /// The turn since then by the gyroscope, radians.
+    pub fn turn_since(&self, then: &Reckoned) -> Option<f64> {
+        self.heading?.since(&then.heading?)
+    }
+}
+
+/// What was before the scan that comes now.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Before {
+    pub reckoned: Reckoned,
     /// Motion from the scan before that, for robots without an odometer.
     pub motion: Pose2,
     pub seconds: f64,
@@ -95,8 +108,8 @@ pub(super) struct Tracker {
     pub saw_at: Option<Time>,
     pub before: Option<Before>,
     pub frame_from_base: Pose2,
-    /// The odometer at the newest key frame.
-    pub odom_from_frame: Option<Pose2>,
+    /// At the newest key frame.
+    pub frame_reckoned: Option<Reckoned>,
     pub covariance: Matrix3<f64>,
     pub first_pose: Pose2,
     pub fit: Fit,
@@ -133,7 +146,7 @@ impl Tracker {
             saw_at: None,
             before: None,
             frame_from_base: first_pose,
-            odom_from_frame: None,
+            frame_reckoned: None,
             covariance: Matrix3::identity() * 1e-6,
             first_pose,
             fit: Fit::Guessed,
@@ -161,7 +174,7 @@ impl Tracker {
 
     /// Takes in a scan.
     pub fn take(&mut self, stamp: Time, scan: &LaserScan, base_from_sensor: &Pose3) {
-        if self.before.is_some_and(|before| stamp <= before.stamp) {
+        if self.before.is_some_and(|before| stamp <= before.reckoned.stamp) {
             self.left_out.late += 1;
             return;
         }
@@ -200,15 +213,15 @@ impl Tracker {
     pub fn stand(&mut self, frame: usize, frame_from_base: Pose2, frames: &[usize]) {
         self.front.look_from(&self.atlas, frame, frames);
         self.frame_from_base = frame_from_base;
-        self.odom_from_frame = None;
+        self.frame_reckoned = None;
     }
 
     fn remember(&mut self, stamp: Time, last: &Pose2) {
-        let (odom_from_base, heading) = (self.odom_at(stamp), self.heading_at(stamp));
-        let seconds = self.before.map_or(0.0, |before| (stamp - before.stamp).as_secs());
+        let reckoned = self.reckoned_at(stamp);
+        let seconds = self.before.map_or(0.0, |before| (stamp - before.reckoned.stamp).as_secs());
         let motion =
             if self.before.is_some() { last.inverse() * self.frame_from_base } else { Pose2::identity() };
-        self.before = Some(Before { stamp, odom_from_base, heading, motion, seconds });
+        self.before = Some(Before { reckoned, motion, seconds });
     }
 
     /// Somebody put the robot here; its odometer and its clock may have begun anew.
@@ -238,7 +251,7 @@ impl Tracker {
 
     fn forget_motion(&mut self) {
         self.before = None;
-        self.odom_from_frame = None;
+        self.frame_reckoned = None;
         self.odometry.clear();
         self.gyro.begin_anew();
         self.saw_at = None;

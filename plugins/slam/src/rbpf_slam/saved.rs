@@ -174,7 +174,7 @@ impl State<'_> {
             let mut surface = Vec::new();
             for _ in 0..n {
                 let at = [self.single()?, self.single()?];
-                surface.push(SurfacePoint { at, normal: [self.single()?, self.single()?] });
+                surface.push(SurfacePoint { at, normal: [self.single()?, self.single()?], variance_m2: 0.0 });
             }
             tracker.follower.recent.push_back(Kept { step_from_base, surface });
         }

@@ -41,6 +41,7 @@ impl GraphSlamParams {
             limits: SurfaceLimits {
                 min_range_m: self.min_range_m,
                 max_range_m: self.max_range_m,
+                noise_growing_1_m: self.noise_growing_1_m as f32,
                 ..SurfaceLimits::SLANTED
             },
             tie: self.tie(),
@@ -89,6 +90,11 @@ impl GraphSlamParams {
                 self.odometer_share,
                 self.odometer_least_deg.to_radians(),
                 self.odometer_turn_share,
+            ],
+            gyroscope: [
+                self.gyroscope_least_deg.to_radians(),
+                self.gyroscope_deg_s.to_radians(),
+                self.gyroscope_share,
             ],
             kernel_c: self.kernel_deviations,
         }

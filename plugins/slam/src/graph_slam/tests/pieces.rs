@@ -8,6 +8,7 @@ use crate::graph_slam::nearest::NearestTable;
 use crate::graph_slam::registration::{Expected, RegistrationSettings, register};
 use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint, surface_of};
 use nalgebra::{Matrix3, Vector3};
+use rand_distr::{Distribution, StandardNormal};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
 use rumbo_kit::pose_graph::RobustKernel;
@@ -47,6 +48,36 @@ fn surfaces_face_the_sensor_at_right_angles_to_their_walls() {
         n_off += usize::from(off.min(1.0 - off) > 0.15);
     }
     assert!(n_off * 20 < n_flat, "{n_off} of {n_flat}");
+}
+
+/// How far points of a wall at x = 5 m are from it (root mean square), seen with a depth camera's noise; and how many are flat.
+fn rough_m(noise_growing_1_m: f32) -> (f32, usize) {
+    let step_rad = 0.36f64.to_radians();
+    let bearing_rad = |k: usize| (k as f64 - 80.0) * step_rad;
+    let mut rng = rumbo_core::rng::stream(7, "noise");
+    let mut reading_m = |k: usize| {
+        let range_m = 5.0 / bearing_rad(k).cos();
+        let noise: f64 = StandardNormal.sample(&mut rng);
+        (range_m + noise * 0.0015 * range_m * range_m) as f32
+    };
+    let scan = LaserScan {
+        first_bearing_rad: bearing_rad(0),
+        bearing_step_rad: step_rad,
+        max_range_m: 8.0,
+        ranges_m: (0..161).map(&mut reading_m).collect::<Vec<_>>().into(),
+        ..LaserScan::default()
+    };
+    let limits = SurfaceLimits { noise_growing_1_m, ..SurfaceLimits::SLANTED };
+    let points = surface_of(&scan, &Pose3::identity(), &limits);
+    let sum: f32 = points.iter().map(|point| (point.at[0] - 5.0).powi(2)).sum();
+    ((sum / points.len() as f32).sqrt(), points.iter().filter(|point| point.is_flat()).count())
+}
+
+#[test]
+fn points_of_a_noisy_wall_are_moved_onto_it() {
+    let ((raw_m, n_raw), (moved_m, n_moved)) = (rough_m(0.0), rough_m(0.0015));
+    assert!(raw_m > 0.02 && moved_m < 0.5 * raw_m, "{raw_m} m as read, {moved_m} m when moved");
+    assert!(n_moved > 150 && n_moved > n_raw, "{n_raw} of 161 are flat as read, {n_moved} when moved");
 }
 
 #[test]
@@ -141,6 +172,34 @@ fn scans_deny_each_other_where_they_are_said_to_be_from_another_place() {
             denied_share(&view(1), &view(0), &moved.inverse())
         );
     }
+}
+
+#[test]
+fn what_the_gyroscope_says_of_a_turn_counts_by_its_error_and_is_no_way() {
+    let frame = || KeyFrame {
+        scan: LaserScan::default(),
+        base_from_sensor: Pose3::identity(),
+        surface: Vec::new(),
+        is_guessed: false,
+    };
+    let mut atlas = Atlas::new(GraphSlamParams::default().tracker().tie);
+    let by_wheels = pose2(0.3, 0.0, 0.5);
+    atlas.add(frame(), &Pose2::identity(), None).unwrap();
+    atlas.add(frame(), &by_wheels, None).unwrap();
+    let off_rad = atlas.settings.off_by_gyroscope_rad(0.4, 0.5);
+    assert!(
+        (off_rad.to_degrees() - (0.1 + 0.3 * 0.5 + 0.01 * 0.4f64.to_degrees())).abs() < 1e-9,
+        "{off_rad}"
+    );
+    atlas.bind_turn(0, 1, 0.4, off_rad);
+    assert!(atlas.ways_from(0, 100.0)[1].is_infinite(), "a turn tells no way");
+    let by_scans = Matrix3::from_diagonal(&Vector3::new(1e4, 1e4, (2.0 * off_rad).powi(-2)));
+    atlas.bind(0, 1, pose2(0.31, 0.0, 0.41), by_scans, RobustKernel::Cauchy { c: 3.0 });
+    assert!((atlas.ways_from(0, 100.0)[1] - (0.31 + 0.5 * 0.41)).abs() < 1e-5);
+    atlas.optimize(20);
+    let (pose, expected_rad) = (atlas.pose(1), 0.8 * 0.4 + 0.2 * 0.41);
+    assert!((pose.translation.x - 0.31).abs() < 1e-3, "{pose}");
+    assert!((pose.rotation.angle() - expected_rad).abs() < 1e-3, "{pose}, expected {expected_rad} rad");
 }
 
 #[test]

@@ -94,6 +94,7 @@ impl RbpfSlamParams {
                 // that shall keep what nobody knows.
                 reach_beams: 2.5,
                 steepest: 6.0,
+                noise_growing_1_m: 0.0,
             },
             registration: self.registration_settings(),
             n_recent: self.recent_scans as usize,
