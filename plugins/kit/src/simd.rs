@@ -14,6 +14,10 @@ pub trait Kernel {
     fn run<V: Vectors>(self) -> Self::Output;
 }
 
+mod lanes;
+
+pub use lanes::{sums_of, whole};
+
 /// Cells in a line that is relaxed at once.
 pub const LINE_CELLS: usize = 32;
 /// Cells before and after those of a line; only the innermost one on each side is looked at.

@@ -1,5 +1,7 @@
 //! Log-odds to probabilities, without a call into the mathematics library: compilers turn it into wide vectors.
 
+use crate::simd;
+
 /// Beyond these log-odds single precision knows no other probability.
 const LARGEST: f32 = 80.0;
 
@@ -19,7 +21,7 @@ fn exp(x: f32) -> f32 {
     let t = (power - whole) * std::f32::consts::LN_2;
     let series =
         1.0 + t * (1.0 + t * (0.5 + t * (1.0 / 6.0 + t * (1.0 / 24.0 + t * (1.0 / 120.0 + t / 720.0)))));
-    let scale = f32::from_bits(((whole as i32 + 127) as u32) << 23);
+    let scale = f32::from_bits(simd::whole(whole + 127.0) << 23);
     series * scale
 }
 

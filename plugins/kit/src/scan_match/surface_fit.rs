@@ -112,7 +112,7 @@ impl Kernel for Fold<'_> {
             let last = [xs_left, ys_left, weights_left].map(filled);
             self.fold(&last[0], &last[1], &last[2], &mut lanes);
         }
-        lanes.map(|lane| lane.iter().map(|v| f64::from(*v)).sum())
+        simd::sums_of(&lanes)
     }
 }
 
@@ -127,23 +127,25 @@ impl Fold<'_> {
         weight: &[f32; LANES],
         sums: &mut [[f32; LANES]; N_SUMS],
     ) {
-        let mut along = [[0.0f32; LANES]; 2];
-        let mut rest = [[0.0f32; LANES]; 2];
-        let mut cell = [[0i32; LANES]; 2];
-        let mut used = [0.0f32; LANES];
+        // Not zeros: that a zero need not be stored over a zero makes a masked store of it, which takes tens of cycles.
+        let mut along = [[f32::NAN; LANES]; 2];
+        let mut rest = [[f32::NAN; LANES]; 2];
+        let mut cell = [[i32::MIN; LANES]; 2];
+        let mut used = [f32::NAN; LANES];
         let [cos, sin] = self.turn;
         for k in 0..LANES {
             let turned = [cos * x[k] - sin * y[k], sin * x[k] + cos * y[k]];
             let at = [turned[0] + self.part[0], turned[1] + self.part[1]];
             // Also where a place that is too far for single precision is not a number.
-            let is_near = at[0].abs() < FARTHEST_CELLS && at[1].abs() < FARTHEST_CELLS;
+            let is_near = (at[0].abs() < FARTHEST_CELLS) & (at[1].abs() < FARTHEST_CELLS);
             used[k] = if is_near { weight[k] } else { 0.0 };
             for axis in 0..2 {
                 let at = if is_near { at[axis] } else { 0.0 };
                 let lower = at.floor();
                 along[axis][k] = if is_near { turned[axis] } else { 0.0 };
                 rest[axis][k] = at - lower - 0.5;
-                cell[axis][k] = (lower as i32).wrapping_add(self.whole[axis]);
+                let offset = simd::whole(lower + FARTHEST_CELLS) as i32 - FARTHEST_CELLS as i32;
+                cell[axis][k] = offset.wrapping_add(self.whole[axis]);
             }
         }
         let mut known = [[0.0f32; LANES]; 7];
