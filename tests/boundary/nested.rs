@@ -30,12 +30,19 @@ fn cargo() -> Command {
 /// As [`library`], by this cargo.
 pub fn built(mut cargo: Command, folder: &Path, name: &str, profile: &str) -> PathBuf {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    cargo.args(["build", "--locked", "--quiet", "--profile", profile]).current_dir(folder);
-    cargo.env("CARGO_TARGET_DIR", target());
-    let out = cargo.output().unwrap_or_else(|error| panic!("{cargo:?}: {error}"));
+    cargo.args(["build", "--locked", "--quiet", "--profile", profile]);
+    finish(&mut cargo, folder);
+    target().join(profile).join(file_name(name))
+}
+
+fn finish(cargo: &mut Command, folder: &Path) {
+    let out = cargo.current_dir(folder).env("CARGO_TARGET_DIR", target()).output();
+    let out = out.unwrap_or_else(|error| panic!("{cargo:?}: {error}"));
     assert!(out.status.success(), "{cargo:?}\n{}", String::from_utf8_lossy(&out.stderr));
-    let file = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
-    target().join(profile).join(file)
+}
+
+fn file_name(library: &str) -> String {
+    format!("{}{library}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
 }
 
 /// The crate with a planner and an avoider from outside.
@@ -47,8 +54,28 @@ pub fn third_party() -> &'static Path {
 
 /// The crate with planners that misbehave.
 pub fn fixture() -> &'static Path {
-    static FILE: LazyLock<PathBuf> = LazyLock::new(|| library(&fixture_folder(), "rust_fixture", "release"));
+    static FILE: LazyLock<PathBuf> = LazyLock::new(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("boundary/fixture");
+        std::fs::create_dir_all(&folder).unwrap();
+        let (file, new) =
+            (folder.join(file_name("rust_fixture")), folder.join(std::process::id().to_string()));
+        // A test that runs in a process of its own does this once more, while others use the file.
+        std::fs::copy(library(&fixture_folder(), "rust_fixture", "release"), &new).unwrap();
+        std::fs::rename(new, &file).unwrap();
+        file
+    });
     &FILE
+}
+
+/// The same, whose panics abort: its own crate alone, so that those below it need not be built once more.
+pub fn aborting_fixture() -> PathBuf {
+    // Whose file this build writes over.
+    fixture();
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut cargo = cargo();
+    cargo.args(["rustc", "--locked", "--quiet", "--release", "--", "-C", "panic=abort"]);
+    finish(&mut cargo, &fixture_folder());
+    target().join("release").join(file_name("rust_fixture"))
 }
 
 /// Its sources.

@@ -1,6 +1,6 @@
 //! Plugins that misbehave, in a library that was loaded: what they do must not reach the robot.
 
-use crate::nested::{built, fixture, fixture_folder, library, root, rumbo, scratch};
+use crate::nested::{aborting_fixture, built, fixture, fixture_folder, root, rumbo, scratch};
 use rumbo_core::boundary::Buffer;
 use rumbo_core::boundary::host::Library;
 use rumbo_core::engine::{EndReason, Engine, RunEnd, StepLimits, on_lost};
@@ -206,8 +206,7 @@ fn the_trajectory_of_a_slam_in_a_library_is_written_and_what_it_uses_is_listed()
 
 #[test]
 fn a_library_whose_panics_abort_is_refused() {
-    let file = library(&fixture_folder(), "rust_fixture", "aborts");
-    let error = Library::open(&file, None).unwrap_err().to_string();
+    let error = Library::open(&aborting_fixture(), None).unwrap_err().to_string();
     assert!(error.contains("panic") && error.contains("abort"), "{error}");
 }
 
