@@ -11,8 +11,12 @@ use rumbo_slam::scan_match_slam::ScanMatchSlamParams;
 
 /// The first quarter of the loop, at ten scans a second; the robot stands then at this time and this far on the lane.
 fn mapped(world: &LoopWorld) -> (Mapper, f64, f64) {
+    mapped_with(&ScanMatchSlamParams::default(), world)
+}
+
+fn mapped_with(params: &ScanMatchSlamParams, world: &LoopWorld) -> (Mapper, f64, f64) {
     let mut rng = stream(9);
-    let mut mapper = Mapper::start_at(&ScanMatchSlamParams::default(), lane(0.0));
+    let mut mapper = Mapper::start_at(params, lane(0.0));
     for k in 0..100 {
         let t = f64::from(k);
         mapper.see(&[laser(1.0 + 0.1 * t, world.scan(&lane(0.1 * t), &mut rng))]);
@@ -175,10 +179,19 @@ fn a_robot_that_was_carried_away_says_it_is_lost_and_finds_itself() {
 
 #[test]
 fn a_state_that_was_saved_is_gone_on_from_with_the_same_map() {
+    goes_on(&ScanMatchSlamParams::default());
+}
+
+#[test]
+fn so_is_one_with_surfaces() {
+    goes_on(&ScanMatchSlamParams { polish: true, ..ScanMatchSlamParams::default() });
+}
+
+fn goes_on(params: &ScanMatchSlamParams) {
     let world = LoopWorld::load();
-    let (mut mapper, time_s, s_m) = mapped(&world);
+    let (mut mapper, time_s, s_m) = mapped_with(params, &world);
     let saved = mapper.slam.save().unwrap();
-    let mut resumed = Mapper::new(&ScanMatchSlamParams::default());
+    let mut resumed = Mapper::new(params);
     resumed.slam.start(&Prior::Saved(saved.clone().into()), &mut resumed.map).unwrap();
     assert_eq!(resumed.map.grid, mapper.map.grid);
     let (again, before) = (resumed.slam.trajectory().unwrap(), mapper.slam.trajectory().unwrap());
