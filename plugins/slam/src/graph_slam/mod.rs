@@ -21,6 +21,7 @@ pub(crate) mod registration;
 mod revisiting;
 mod saved;
 mod saved_look;
+mod saved_reckoned;
 mod sheet;
 pub(crate) mod surface;
 mod ties;

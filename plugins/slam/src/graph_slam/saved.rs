@@ -2,9 +2,10 @@
 
 use super::atlas::{Atlas, KeyFrame};
 use super::saved_look::{look, put_look};
+use super::saved_reckoned::{put_reckoned, reckoned};
 use super::surface::surface_of;
-use super::tracker::{Before, Fit, Reckoned, Track, Tracker, TrackerSettings};
-use crate::gyro::{Gyro, Heading};
+use super::tracker::{Before, Fit, Track, Tracker, TrackerSettings};
+use crate::gyro::Gyro;
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion};
 use rumbo_core::frames::{Pose2, Pose3, is_finite2, is_finite3, pose2};
 use rumbo_core::messages::{Check, LaserScan};
@@ -73,22 +74,6 @@ fn put_robot(to: &mut Vec<u8>, tracker: &Tracker) {
     put_count(to, tracker.n_loops);
     tracker.catch_up.iter().for_each(|frame| put_count(to, *frame));
     put_some(to, tracker.look.as_ref(), put_look);
-}
-
-fn put_reckoned(to: &mut Vec<u8>, reckoned: &Reckoned) {
-    to.extend(reckoned.stamp.0.to_le_bytes());
-    put_some(to, reckoned.odom_from_base.as_ref(), put_pose);
-    put_some(to, reckoned.heading.as_ref(), |to, heading| {
-        put_count(to, heading.run as usize);
-        put_pose(to, &heading.turn);
-    });
-}
-
-fn reckoned(from: &mut Reader<'_>) -> Option<Reckoned> {
-    let stamp = Time(from.i64()?);
-    let odom_from_base = some(from, pose)?;
-    let heading = some(from, |from| Some(Heading { run: from.u32()?, turn: pose(from)? }))?;
-    Some(Reckoned { stamp, odom_from_base, heading })
 }
 
 /// The state that was saved.
