@@ -55,17 +55,19 @@ pub fn third_party() -> &'static Path {
 /// The crate with planners that misbehave.
 pub fn fixture() -> &'static Path {
     static FILE: LazyLock<PathBuf> = LazyLock::new(|| {
-        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("boundary/fixture");
-        std::fs::create_dir_all(&folder).unwrap();
-        let (file, new) =
-            (folder.join(file_name("rust_fixture")), folder.join(std::process::id().to_string()));
-        // A test that runs in a process of its own does this once more, while others use the file.
-        std::fs::copy(library(&fixture_folder(), "rust_fixture", "release"), &new).unwrap();
-        std::fs::rename(new, &file).unwrap();
+        if let Some(file) = std::env::var_os(GIVEN_FIXTURE) {
+            return file.into();
+        }
+        let file = scratch("fixture").join(file_name("rust_fixture"));
+        std::fs::copy(library(&fixture_folder(), "rust_fixture", "release"), &file).unwrap();
         file
     });
     &FILE
 }
+
+/// A test that runs in a process of its own is given that library: building it there would meet [`aborting_fixture`] here, which
+/// writes the same file, and whose lock holds for one process.
+pub const GIVEN_FIXTURE: &str = "RUMBO_TEST_FIXTURE";
 
 /// The same, whose panics abort: its own crate alone, so that those below it need not be built once more.
 pub fn aborting_fixture() -> PathBuf {

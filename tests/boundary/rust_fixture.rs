@@ -1,6 +1,6 @@
 //! Plugins that misbehave, in a library that was loaded: what they do must not reach the robot.
 
-use crate::nested::{aborting_fixture, built, fixture, fixture_folder, root, rumbo, scratch};
+use crate::nested::{GIVEN_FIXTURE, aborting_fixture, built, fixture, fixture_folder, root, rumbo, scratch};
 use rumbo_core::boundary::Buffer;
 use rumbo_core::boundary::host::Library;
 use rumbo_core::engine::{EndReason, Engine, RunEnd, StepLimits, on_lost};
@@ -238,16 +238,14 @@ fn a_library_of_another_compiler_with_another_layout_gives_the_same_answers() {
     assert!(error.contains("made to panic in create"), "{error}");
 }
 
-/// Says to this test that it has a process of its own: memory is measured for the whole process, and the other tests of
-/// this one use it at the same time.
-const ALONE: &str = "RUMBO_TEST_ALONE";
-
 #[test]
 fn ten_thousand_instances_and_plans_leave_nothing_behind() {
-    if std::env::var_os(ALONE).is_none() {
+    // In a process of its own: memory is measured for the whole process, and the other tests of this one use it at the same time.
+    if std::env::var_os(GIVEN_FIXTURE).is_none() {
         let name = "rust_fixture::ten_thousand_instances_and_plans_leave_nothing_behind";
         let mut alone = Command::new(std::env::current_exe().unwrap());
-        let out = alone.args(["--exact", name, "--nocapture"]).env(ALONE, "1").output().unwrap();
+        let out =
+            alone.args(["--exact", name, "--nocapture"]).env(GIVEN_FIXTURE, fixture()).output().unwrap();
         let told = String::from_utf8_lossy(&out.stdout);
         return assert!(told.contains("1 passed"), "{told}{}", String::from_utf8_lossy(&out.stderr));
     }

@@ -4,6 +4,10 @@
 //! well that way and are written with intrinsics for AVX-512; [`Portable`] is their scalar twin. This is the only file
 //! of the crate with unsafe code.
 
+mod lanes;
+
+pub use lanes::{UNWRITTEN, sums_of, whole};
+
 /// A piece of code with its arguments.
 pub trait Kernel {
     /// What it answers.
@@ -13,10 +17,6 @@ pub trait Kernel {
     /// compiled for the baseline. (Closures and function pointers do not serve: their calls are not inlined.)
     fn run<V: Vectors>(self) -> Self::Output;
 }
-
-mod lanes;
-
-pub use lanes::{sums_of, whole};
 
 /// Cells in a line that is relaxed at once.
 pub const LINE_CELLS: usize = 32;

@@ -180,11 +180,10 @@ fn fold<L: MatchLevel>(
     weight: &[f32; LANES],
     sums: &mut [[f32; LANES]; N_SUMS],
 ) {
-    // Not zeros: that a zero need not be stored over a zero makes a masked store of it, which takes tens of cycles.
-    let mut turned = [[f32::NAN; LANES]; 2];
-    let mut part = [[f32::NAN; LANES]; 2];
+    let mut turned = [[simd::UNWRITTEN; LANES]; 2];
+    let mut part = [[simd::UNWRITTEN; LANES]; 2];
     let mut cell = [[u32::MAX; LANES]; 2];
-    let mut used = [f32::NAN; LANES];
+    let mut used = [simd::UNWRITTEN; LANES];
     for k in 0..LANES {
         let along = [placed.cos * x[k] - placed.sin * y[k], placed.sin * x[k] + placed.cos * y[k]];
         let at = [along[0] + placed.x, along[1] + placed.y];

@@ -127,11 +127,10 @@ impl Fold<'_> {
         weight: &[f32; LANES],
         sums: &mut [[f32; LANES]; N_SUMS],
     ) {
-        // Not zeros: that a zero need not be stored over a zero makes a masked store of it, which takes tens of cycles.
-        let mut along = [[f32::NAN; LANES]; 2];
-        let mut rest = [[f32::NAN; LANES]; 2];
+        let mut along = [[simd::UNWRITTEN; LANES]; 2];
+        let mut rest = [[simd::UNWRITTEN; LANES]; 2];
         let mut cell = [[i32::MIN; LANES]; 2];
-        let mut used = [f32::NAN; LANES];
+        let mut used = [simd::UNWRITTEN; LANES];
         let [cos, sin] = self.turn;
         for k in 0..LANES {
             let turned = [cos * x[k] - sin * y[k], sin * x[k] + cos * y[k]];

@@ -1,5 +1,9 @@
 //! What plain loops over lanes need to become vector code.
 
+/// What lanes hold before a loop writes all of them. Not zero: that a zero need not be stored over a zero makes a masked store of
+/// it, which takes tens of cycles.
+pub const UNWRITTEN: f32 = f32::NAN;
+
 /// A number of 0 or more, below 2^23, without its fraction if that is zero: in the last bits of itself and 2^23. A cast would be
 /// a scalar one for each lane, since it saturates.
 #[inline(always)]

@@ -60,7 +60,7 @@ pub(super) struct Track {
 }
 
 /// What odometer and gyroscope said at some time.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Reckoned {
     pub stamp: Time,
     pub odom_from_base: Option<Pose2>,

@@ -174,18 +174,22 @@ fn scans_deny_each_other_where_they_are_said_to_be_from_another_place() {
     }
 }
 
-#[test]
-fn what_the_gyroscope_says_of_a_turn_counts_by_its_error_and_is_no_way() {
-    let frame = || KeyFrame {
+/// A key frame that saw nothing.
+fn blind_frame() -> KeyFrame {
+    KeyFrame {
         scan: LaserScan::default(),
         base_from_sensor: Pose3::identity(),
         surface: Vec::new(),
         is_guessed: false,
-    };
+    }
+}
+
+#[test]
+fn what_the_gyroscope_says_of_a_turn_counts_by_its_error_and_is_no_way() {
     let mut atlas = Atlas::new(GraphSlamParams::default().tracker().tie);
     let by_wheels = pose2(0.3, 0.0, 0.5);
-    atlas.add(frame(), &Pose2::identity(), None).unwrap();
-    atlas.add(frame(), &by_wheels, None).unwrap();
+    atlas.add(blind_frame(), &Pose2::identity(), None).unwrap();
+    atlas.add(blind_frame(), &by_wheels, None).unwrap();
     let off_rad = atlas.settings.off_by_gyroscope_rad(0.4, 0.5);
     assert!(
         (off_rad.to_degrees() - (0.1 + 0.3 * 0.5 + 0.01 * 0.4f64.to_degrees())).abs() < 1e-9,
@@ -204,16 +208,9 @@ fn what_the_gyroscope_says_of_a_turn_counts_by_its_error_and_is_no_way() {
 
 #[test]
 fn strain_is_the_worst_of_the_newest_ties_in_deviations_squared() {
-    let scan = LaserScan::default();
-    let frame = || KeyFrame {
-        scan: scan.clone(),
-        base_from_sensor: Pose3::identity(),
-        surface: Vec::new(),
-        is_guessed: false,
-    };
     let mut atlas = Atlas::new(GraphSlamParams::default().tracker().tie);
     for x_m in [0.0, 1.0, 2.0] {
-        atlas.add(frame(), &pose2(x_m, 0.0, 0.0), None).unwrap();
+        atlas.add(blind_frame(), &pose2(x_m, 0.0, 0.0), None).unwrap();
     }
     let information = Matrix3::from_diagonal(&Vector3::new(100.0, 25.0, 400.0));
     // Five deviations off along x; then two across and one in turn.
