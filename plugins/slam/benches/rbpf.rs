@@ -76,6 +76,8 @@ fn one_scan_that_is_taken_in(bencher: Bencher, particles: u32) {
             followed,
             explores: true,
             is_lost: false,
+            needs_proof: false,
+            is_trial: false,
         }))
     });
 }

@@ -5,6 +5,8 @@
 mod bad_input;
 #[path = "scan_match/course.rs"]
 mod course;
+#[path = "scan_match/hardships.rs"]
+mod hardships;
 #[path = "scan_match/mirror.rs"]
 mod mirror;
 #[path = "scan_match/world.rs"]

@@ -82,7 +82,7 @@ impl GraphSlam {
             );
             turn.matrix() * tracker.covariance * turn.matrix().transpose()
         };
-        let covariance = (turned + turned.transpose()) * 0.5 + Matrix3::identity() * 1e-8;
+        let mut covariance = (turned + turned.transpose()) * 0.5 + Matrix3::identity() * 1e-8;
         let newest = tracker.odometry.newest().filter(|(stamp, _)| *stamp > before.reckoned.stamp);
         let (stamp, pose, odom_from_base) = match (before.reckoned.odom_from_base, newest) {
             (Some(then), Some((stamp, odom))) => (stamp, at_scan * (then.inverse() * odom), odom),
@@ -90,10 +90,16 @@ impl GraphSlam {
             // Without an odometer the frame that it would count in stays where the base is.
             (None, _) => (before.reckoned.stamp, at_scan, Pose2::identity()),
         };
+        let is_blind = (stamp.max(now) - before.reckoned.stamp).as_secs() > BLIND_AFTER_S;
+        if is_blind {
+            let [way, turn] = tracker.predict(now).deviation.map(|deviation| deviation * deviation);
+            covariance += Matrix3::from_diagonal(&[way, way, turn].into());
+        }
+        // Without an odometer the robot is still thought to be there, ever less surely.
+        let stamp = if is_blind && newest.is_none() { now } else { stamp };
         let mut estimate = Estimate::planar(stamp, pose, odom_from_base, covariance);
-        let blind_s = (stamp.max(now) - before.reckoned.stamp).as_secs();
         estimate.status = match tracker.fit {
-            Fit::Placed if !tracker.is_adrift && blind_s <= BLIND_AFTER_S => Status::Tracking,
+            Fit::Placed if !tracker.is_adrift && !is_blind => Status::Tracking,
             Fit::Placed => Status::Converging,
             Fit::Guessed => Status::Converging,
             Fit::Lost => Status::Lost,

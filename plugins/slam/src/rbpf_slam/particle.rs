@@ -25,8 +25,12 @@ pub struct KeyScan<'a> {
     pub followed: Followed,
     /// Draw it into the map although it overlaps with it too little to be matched.
     pub explores: bool,
-    /// The robot is lost: only a match that nobody can doubt finds it again.
+    /// The robot is lost.
     pub is_lost: bool,
+    /// Nothing ties it to the scans before, or the robot is lost: only a match that nobody can doubt finds it again.
+    pub needs_proof: bool,
+    /// That was not proven over some way yet: nothing is drawn.
+    pub is_trial: bool,
 }
 
 /// One guess.
@@ -65,16 +69,16 @@ fn matched(
     let views: Vec<LevelView<'_>> = map.views();
     let found = match_scan(&views, key.points, &prior.map_from_base, Some(prior), &settings.matching)?;
     let mut status = settings.gate.judge(&found, &prior.map_from_base);
-    let least = if key.is_lost { SURE_SCORE.max(settings.minimum_score) } else { settings.minimum_score };
-    let is_doubtful = key.is_lost && (status == MatchStatus::Degenerate || found.known() < SURE_KNOWN);
+    let least = if key.needs_proof { SURE_SCORE.max(settings.minimum_score) } else { settings.minimum_score };
+    let is_doubtful = key.needs_proof && (status == MatchStatus::Degenerate || found.known() < SURE_KNOWN);
     if status.is_match() && (found.end.mean_value() < least || is_doubtful) {
         status = MatchStatus::Diverged;
     }
     Some((found, status))
 }
 
-/// A lost robot believes matches of this mean value, ...
-const SURE_SCORE: f64 = 0.6;
+/// Where proof is needed, matches of this mean value are believed, ...
+const SURE_SCORE: f64 = 0.65;
 /// ... of which this share lies on cells that some scan has touched.
 const SURE_KNOWN: f64 = 0.8;
 
@@ -113,7 +117,7 @@ impl Particle {
             let before_from_after = before.inverse() * self.map_from_base;
             return Looked {
                 status: *status,
-                is_drawn: true,
+                is_drawn: !key.is_trial,
                 covariance: found.covariance,
                 before_from_after,
             };

@@ -5,6 +5,7 @@ mod gyro;
 mod loops;
 mod odometer;
 mod steps;
+mod trial;
 
 use super::archive::Archive;
 use super::closing::Closing;
@@ -23,6 +24,7 @@ use rumbo_kit::scan_match::ScanPoints;
 use rumbo_kit::streams::Streams;
 use rumbo_kit::turn_way_turn::noisy;
 use std::collections::VecDeque;
+use trial::Trial;
 
 /// What was left out or went wrong, and how often.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -81,6 +83,7 @@ pub struct Tracker {
     pub(super) n_unmatched: u32,
     /// Way since the last match, meters.
     pub(super) way_unmatched_m: f64,
+    pub(super) trial: Trial,
     closing: Closing,
     points: ScanPoints,
     waiting: VecDeque<Observation>,
@@ -109,6 +112,7 @@ impl Tracker {
             covariance: Matrix3::zeros(),
             n_unmatched: 0,
             way_unmatched_m: 0.0,
+            trial: Trial::default(),
             closing: Closing::default(),
             points: ScanPoints::default(),
             waiting: VecDeque::new(),
@@ -126,7 +130,7 @@ impl Tracker {
         (self.counters, self.is_started, self.stamp) = (Counters::default(), true, None);
         (self.step_stamp, self.step_from_base) = (Time::default(), Pose2::identity());
         (self.since_step, self.covariance) = (Step::default(), *covariance);
-        (self.n_unmatched, self.way_unmatched_m) = (0, 0.0);
+        (self.n_unmatched, self.way_unmatched_m, self.trial) = (0, 0.0, Trial::default());
         self.may_be_another_clock = false;
         self.waiting.clear();
     }
@@ -150,6 +154,7 @@ impl Tracker {
         self.step_from_base = Pose2::identity();
         self.since_step = Step { stray: [deviation(0).max(deviation(1)), deviation(2)], ..Step::default() };
         (self.covariance, self.n_unmatched, self.way_unmatched_m) = (*covariance, 0, 0.0);
+        self.trial = Trial::default();
         self.odometer.forget();
         self.waiting.clear();
         self.may_be_another_clock = true;

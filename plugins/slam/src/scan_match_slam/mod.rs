@@ -10,6 +10,7 @@ mod motion;
 mod params;
 mod place_search;
 mod plugin;
+mod reckoning;
 mod saved;
 mod settings;
 mod tracker;

@@ -2,7 +2,7 @@
 
 use super::params::ScanMatchSlamParams;
 use super::saved;
-use super::tracker::ScanTracker;
+use super::tracker::{ScanTracker, Tracked};
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, lift};
 use rumbo_core::map::{GridFault, Layer, Map};
@@ -42,14 +42,13 @@ impl ScanMatchSlam {
             let odom_from_base = self.tracker.motion.odom_from_base(now);
             return Ok(Estimate::planar(now, map_from_base, odom_from_base, covariance));
         };
-        // Somebody has said where it is, and no scan has come since then.
-        let (map_from_base, covariance) =
-            self.tracker.pending.unwrap_or((state.map_from_base, state.covariance));
-        let odom_from_base = self.tracker.motion.odom_from_base(state.stamp);
-        let mut estimate = Estimate::planar(state.stamp.min(now), map_from_base, odom_from_base, covariance);
+        let Tracked { stamp, map_from_base, covariance } = self.tracker.reckoned(&state, now);
+        let odom_from_base = self.tracker.motion.odom_from_base(stamp);
+        let mut estimate = Estimate::planar(stamp.min(now), map_from_base, odom_from_base, covariance);
+        let is_blind = stamp > state.stamp;
         estimate.status = if self.tracker.is_lost() {
             Status::Lost
-        } else if self.tracker.n_without_match > 0 {
+        } else if self.tracker.n_without_match > 0 || is_blind {
             Status::Converging
         } else {
             Status::Tracking

@@ -1,10 +1,10 @@
 //! Predict, match, judge, insert: one scan after another.
 
 use super::locating::{Located, Look};
-use super::motion::{Motion, Step};
+use super::motion::Motion;
 use super::place_search::PlaceSearch;
 use super::settings::{Counters, TrackerSettings};
-use nalgebra::{Matrix3, Rotation2, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::Pose2;
 use rumbo_core::map::{Grid, GridFault, Map};
 use rumbo_core::messages::{LaserScan, Observation, Seen, SensorId};
@@ -188,17 +188,11 @@ impl ScanTracker {
             self.motion.begin(stamp, &origin);
             return Tracked { stamp, map_from_base: origin, covariance: Matrix3::identity() * 1e-6 };
         };
-        let Step { before_from_after, covariance, is_by_odometer } = self.motion.predict(stamp);
-        self.is_by_odometer |= is_by_odometer;
-        let axes = in_map(&state.map_from_base);
-        let grown = axes * covariance * axes.transpose();
+        let (step, grown) = self.step_to(&state, stamp);
+        self.is_by_odometer |= step.is_by_odometer;
         self.drift += grown;
-        self.way_without_match_m += before_from_after.translation.vector.norm();
-        Tracked {
-            stamp,
-            map_from_base: state.map_from_base * before_from_after,
-            covariance: state.covariance + grown,
-        }
+        self.way_without_match_m += step.before_from_after.translation.vector.norm();
+        state.after(&step, &grown, stamp)
     }
 
     fn first(
@@ -274,14 +268,6 @@ impl ScanTracker {
 const LONGEST_PAUSE_S: f64 = 1.0;
 /// How far a robot may be from where it was saved: along x and y (m), yaw (rad).
 const MOVED_WHILE_OFF: [f64; 3] = [0.1, 0.1, 0.1];
-
-/// Turns covariances of the base's axes into the map's.
-fn in_map(map_from_base: &Pose2) -> Matrix3<f64> {
-    let mut axes = Matrix3::identity();
-    let turn = Rotation2::new(map_from_base.rotation.angle());
-    axes.fixed_view_mut::<2, 2>(0, 0).copy_from(turn.matrix());
-    axes
-}
 
 /// What two independent sources know together; the second alone where that cannot be told.
 fn fused(one: &Matrix3<f64>, other: &Matrix3<f64>) -> Matrix3<f64> {

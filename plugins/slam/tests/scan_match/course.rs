@@ -19,12 +19,12 @@ pub struct Mapper {
 }
 
 impl Mapper {
-    pub fn new(params: &ScanMatchSlamParams) -> Mapper {
+    pub fn new(params: &impl Plugin<dyn Slam>) -> Mapper {
         let slam = params.build(&BuildContext::bare("slam")).unwrap();
         Mapper { slam, map: Map::default(), trace: Trace::counting() }
     }
 
-    pub fn start_at(params: &ScanMatchSlamParams, map_from_base: Pose2) -> Mapper {
+    pub fn start_at(params: &impl Plugin<dyn Slam>, map_from_base: Pose2) -> Mapper {
         let mut mapper = Mapper::new(params);
         let prior = Prior::Pose {
             map_from_base,
@@ -37,6 +37,10 @@ impl Mapper {
 
     pub fn see(&mut self, observations: &[Observation]) -> Estimate {
         let now = observations.iter().map(|observation| observation.stamp).max().unwrap_or(Time::ZERO);
+        self.see_at(now, observations)
+    }
+
+    pub fn see_at(&mut self, now: Time, observations: &[Observation]) -> Estimate {
         let mut cx = Cx { now, trace: &self.trace };
         self.slam.update(&mut cx, Seen::sorted(observations), &mut self.map).unwrap()
     }

@@ -17,7 +17,10 @@ pub(super) fn put_tracker(bytes: &mut Vec<u8>, tracker: &Tracker) {
     put_count(bytes, usize::from(tracker.since_step.measured_turn.is_some()));
     put(bytes, &[tracker.since_step.measured_turn.unwrap_or_default()]);
     put(bytes, tracker.covariance.as_slice());
-    put_count(bytes, tracker.n_unmatched as usize);
+    // What was not proven yet is not known.
+    let is_lost = tracker.is_lost() || tracker.is_on_trial();
+    let at_least = if is_lost { tracker.settings().lost_after_scans } else { 0 };
+    put_count(bytes, tracker.n_unmatched.max(at_least) as usize);
     put(bytes, &[tracker.way_unmatched_m]);
     let odometer = &tracker.odometer;
     put_pose_if(bytes, odometer.at_scan);

@@ -251,6 +251,8 @@ fn weights_that_are_no_numbers_count_nothing_and_when_none_is_left_all_are_equal
             },
             explores: true,
             is_lost: false,
+            needs_proof: false,
+            is_trial: false,
         })
     };
     tracker.filter.particles[0].ln_weight = f64::NAN;

@@ -34,6 +34,12 @@ const JUMP_RAD: f64 = 0.35;
 /// What a robot can drive at most, m/s.
 const FASTEST_M_S: f64 = 3.0;
 
+/// Variances of x, y, yaw after a time in which nobody measured the motion, m² and rad².
+pub(super) fn unmeasured(seconds: f64) -> [f64; 3] {
+    let [way, turn] = UNMEASURED.map(|speed| (speed * seconds).powi(2));
+    [way, way, turn]
+}
+
 impl Odometer {
     /// Nothing was said yet.
     pub fn new(max_jump_m: f64) -> Odometer {

@@ -1,6 +1,7 @@
 //! One scan: the robot is followed to it, and the filter takes it in where that is due.
 
 use super::Tracker;
+use super::estimate::SCANLESS_S;
 use crate::graph_slam::registration::Registered;
 use crate::graph_slam::surface::SurfacePoint;
 use crate::rbpf_slam::filter::Outcome;
@@ -17,7 +18,7 @@ const LOOK_EVERY: u32 = 5;
 impl Tracker {
     pub(super) fn take_scan(&mut self, observation: &Observation, scan: &LaserScan) -> bool {
         let stamp = observation.stamp;
-        let step = self.odometer.step_to(stamp, self.stamp);
+        let step = self.step_to(stamp);
         self.counters.scans += 1;
         self.filter.settings().preparation.prepare(scan, &observation.base_from_sensor, &mut self.points);
         self.since_step = self.since_step.then(&step);
@@ -38,6 +39,18 @@ impl Tracker {
         }
         self.stamp = Some(stamp);
         is_due
+    }
+
+    /// The step from the last scan. A robot that for long neither saw nor counted wheels may be anywhere.
+    fn step_to(&mut self, stamp: Time) -> Step {
+        let had_wheels = self.odometer.at_scan.is_some();
+        let step = self.odometer.step_to(stamp, self.stamp);
+        let has_wheels = had_wheels && self.odometer.at_scan.is_some();
+        let was_blind = self.stamp.is_some_and(|last| (stamp - last).as_secs() > SCANLESS_S);
+        if was_blind && !has_wheels {
+            self.n_unmatched = self.n_unmatched.max(self.settings.lost_after_scans);
+        }
+        step
     }
 
     /// The robot's step as the odometer has it, and then as the last scans have it.
@@ -65,6 +78,10 @@ impl Tracker {
         if !is_placed && self.n_unmatched % LOOK_EVERY == LOOK_EVERY - 1 {
             return true;
         }
+        if is_placed && self.is_lost() {
+            // By chance, maybe: the maps have to prove it.
+            return true;
+        }
         if !is_placed && self.n_unmatched == 0 {
             return false;
         }
@@ -84,6 +101,7 @@ impl Tracker {
         surface: Vec<SurfacePoint>,
         placed: Option<&Registered>,
     ) {
+        let (was_lost, is_trial) = (self.is_lost(), self.is_lost() || self.is_on_trial());
         let is_near = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
         let (placed_step, since_step) = (&self.step_from_base, &self.since_step);
         let followed = self.follower.followed(placed_step, placed, since_step, &self.settings.motion);
@@ -92,24 +110,35 @@ impl Tracker {
             base_from_sensor: observation.base_from_sensor,
             points: &self.points,
             followed,
-            explores: is_near && placed.is_some(),
-            is_lost: self.is_lost(),
+            explores: is_near && placed.is_some() && !is_trial,
+            is_lost: was_lost,
+            needs_proof: is_trial || placed.is_none() && self.may_be_anywhere(),
+            is_trial,
         };
         let is_first = self.filter.lineage().is_empty();
         let outcome = self.filter.take(&key);
         self.count(&outcome, is_first);
-        let is_drawn = is_first || outcome.n_matched > 0 || outcome.best.is_some_and(|best| best.is_drawn);
-        if let (None, true, Some(best)) = (placed, outcome.n_matched > 0, &outcome.best) {
+        let is_matched = outcome.n_matched > 0;
+        let is_seen = is_first || is_matched || outcome.best.is_some_and(|best| best.is_drawn);
+        let is_drawn = is_seen && !is_trial;
+        if let (None, true, Some(best)) = (placed, is_matched, &outcome.best) {
             self.step_from_base = best.before_from_after;
         }
+        self.prove(was_lost, is_matched, self.step_from_base.translation.vector.norm());
         self.archive.push(scan, &observation.base_from_sensor, is_drawn, &followed);
-        self.follower.step(&self.step_from_base, is_drawn.then_some(surface));
+        self.follower.step(&self.step_from_base, is_seen.then_some(surface));
         self.diary.step(observation.stamp, &self.step_from_base);
         if is_drawn {
             self.look_for_loops();
         }
         (self.step_stamp, self.step_from_base) = (observation.stamp, Pose2::identity());
         self.since_step = Step::default();
+    }
+
+    /// Nothing ties a scan to those before it that does not fit on them: no wheels do, or many in a row do not fit.
+    fn may_be_anywhere(&self) -> bool {
+        let has_wheels = self.odometer.at_scan.is_some();
+        !self.follower.is_empty() && (!has_wheels || self.n_unmatched >= LOOK_EVERY - 1)
     }
 
     fn count(&mut self, outcome: &Outcome, is_first: bool) {

@@ -1,0 +1,48 @@
+//! Where the robot will be, before a scan says so.
+
+use super::motion::Step;
+use super::tracker::{ScanTracker, Tracked};
+use nalgebra::{Matrix3, Rotation2};
+use rumbo_core::frames::Pose2;
+use rumbo_core::time::Time;
+
+/// Without a scan for so long the robot is not followed any more but reckoned, seconds.
+const BLIND_AFTER_S: f64 = 1.0;
+
+impl Tracked {
+    /// After this step, by which the covariance has grown.
+    pub(super) fn after(&self, step: &Step, grown: &Matrix3<f64>, stamp: Time) -> Tracked {
+        let map_from_base = self.map_from_base * step.before_from_after;
+        Tracked { stamp, map_from_base, covariance: self.covariance + grown }
+    }
+}
+
+impl ScanTracker {
+    /// The motion from there to a time, and by what the covariance grows with it, in the map's axes.
+    pub(super) fn step_to(&self, state: &Tracked, stamp: Time) -> (Step, Matrix3<f64>) {
+        let step = self.motion.predict(stamp);
+        let axes = in_map(&state.map_from_base);
+        (step, axes * step.covariance * axes.transpose())
+    }
+
+    /// What is known of the robot at this time: where the last scan had it, and once scans stay away where it must be by now.
+    pub(super) fn reckoned(&self, state: &Tracked, now: Time) -> Tracked {
+        if let Some((map_from_base, covariance)) = self.pending {
+            // Somebody has said where it is, and no scan has come since then.
+            return Tracked { map_from_base, covariance, ..*state };
+        }
+        if (now - state.stamp).as_secs() <= BLIND_AFTER_S {
+            return *state;
+        }
+        let (step, grown) = self.step_to(state, now);
+        state.after(&step, &grown, now)
+    }
+}
+
+/// Turns covariances of the base's axes into the map's.
+fn in_map(map_from_base: &Pose2) -> Matrix3<f64> {
+    let mut axes = Matrix3::identity();
+    let turn = Rotation2::new(map_from_base.rotation.angle());
+    axes.fixed_view_mut::<2, 2>(0, 0).copy_from(turn.matrix());
+    axes
+}

@@ -1,0 +1,169 @@
+//! What a robot meets in a disaster, for every plugin that maps with scans and without wheels: it goes on rightly, or says that
+//! it does not know where it is. Never for long it is sure of a wrong place.
+
+use super::course::Mapper;
+use super::world::{LoopWorld, lane, laser, observation, stream};
+use rand::RngExt;
+use rumbo_core::frames::{Pose2, pose2};
+use rumbo_core::messages::{Data, Estimate, LaserScan, Odometry, Status};
+use rumbo_core::rng::Rng;
+use rumbo_core::time::Time;
+use rumbo_slam::graph_slam::GraphSlamParams;
+use rumbo_slam::rbpf_slam::RbpfSlamParams;
+use rumbo_slam::scan_match_slam::ScanMatchSlamParams;
+
+/// Where the robot may be while it says that it tracks its way, meters.
+const SURE_M: f64 = 0.3;
+/// The scans that it may take to see that something is wrong.
+const SCANS_TO_SEE: usize = 5;
+
+/// A robot on the lane, ten scans a second, and what it said.
+struct Robot {
+    name: &'static str,
+    world: LoopWorld,
+    mapper: Mapper,
+    rng: Rng,
+    time_s: f64,
+    n_wrong: usize,
+}
+
+/// Each plugin after it has mapped twelve meters of the lane, a meter a second.
+fn robots() -> impl Iterator<Item = Robot> {
+    let mappers = [
+        ("scan_match_slam", Mapper::start_at(&ScanMatchSlamParams::default(), lane(0.0))),
+        ("rbpf_slam", Mapper::start_at(&RbpfSlamParams::default(), lane(0.0))),
+        ("graph_slam", Mapper::start_at(&GraphSlamParams::default(), lane(0.0))),
+    ];
+    mappers.into_iter().map(|(name, mapper)| {
+        let mut robot =
+            Robot { name, world: LoopWorld::load(), mapper, rng: stream(9), time_s: 1.0, n_wrong: 0 };
+        for k in 0..=120 {
+            robot.sees_from(&lane(0.1 * f64::from(k)));
+        }
+        assert_eq!(robot.n_wrong, 0, "{name}");
+        robot
+    })
+}
+
+impl Robot {
+    fn scan(&mut self, truth: &Pose2) -> LaserScan {
+        self.world.scan(truth, &mut self.rng)
+    }
+
+    fn sees_from(&mut self, truth: &Pose2) -> Estimate {
+        let scan = self.scan(truth);
+        self.sees(scan, None, truth)
+    }
+
+    fn sees(&mut self, scan: LaserScan, odom_from_base: Option<Pose2>, truth: &Pose2) -> Estimate {
+        self.time_s += 0.1;
+        let mut seen = Vec::new();
+        if let Some(odom_from_base) = odom_from_base {
+            let odometry = Odometry { odom_from_base, ..Odometry::default() };
+            seen.push(observation(0, self.time_s, Data::Odometry(odometry)));
+        }
+        seen.push(laser(self.time_s, scan));
+        let estimate = self.mapper.see(&seen);
+        let is_wrong = off_m(&estimate, truth) > SURE_M && estimate.status == Status::Tracking;
+        self.n_wrong += usize::from(is_wrong);
+        estimate
+    }
+
+    fn ends_well(&self, estimate: &Estimate, truth: &Pose2, may_be_lost: bool) {
+        let Robot { name, n_wrong, .. } = self;
+        assert!(*n_wrong <= SCANS_TO_SEE, "{name}: sure of a wrong place {n_wrong} times");
+        let knows = estimate.status == Status::Tracking && off_m(estimate, truth) < 0.15;
+        let says = estimate.status == Status::Lost && may_be_lost;
+        assert!(knows || says, "{name}: {:?} {} m off", estimate.status, off_m(estimate, truth));
+    }
+}
+
+fn off_m(estimate: &Estimate, truth: &Pose2) -> f64 {
+    (truth.inverse() * estimate.pose2()).translation.vector.norm()
+}
+
+/// Half a minute in which it walks back by six meters, without scans, wheels or gyroscope.
+#[test]
+fn half_a_minute_of_blindness() {
+    for mut robot in robots() {
+        let before = robot.mapper.see_at(Time::from_secs(robot.time_s), &[]);
+        assert_eq!(before.status, Status::Tracking);
+        for k in 1..=300 {
+            let silent_s = 0.1 * f64::from(k);
+            let now = Time::from_secs(robot.time_s + silent_s);
+            let blind = robot.mapper.see_at(now, &[]);
+            assert!(silent_s < 2.5 || blind.status != Status::Tracking, "{}: {silent_s} s", robot.name);
+            let grown = blind.covariance2().trace() / before.covariance2().trace();
+            assert!(silent_s < 2.5 || grown > 2.0, "{}: {silent_s} s, {grown}", robot.name);
+        }
+        robot.time_s += 30.0;
+        let mut last = before;
+        for k in 0..80 {
+            last = robot.sees_from(&lane(6.0 + 0.05 * f64::from(k)));
+        }
+        robot.ends_well(&last, &lane(6.0 + 0.05 * 79.0), true);
+    }
+}
+
+/// It stands elsewhere on its map all at once, turned by 143 degrees.
+#[test]
+fn carried_away() {
+    robots().for_each(|robot| goes_on_elsewhere(robot, |_| None));
+}
+
+/// The same robot with wheels, which turned in the air by nothing.
+#[test]
+fn carried_away_with_wheels() {
+    robots().for_each(|robot| goes_on_elsewhere(robot, |k| Some(pose2(0.01 * f64::from(k), 0.0, 0.0))));
+}
+
+fn goes_on_elsewhere(mut robot: Robot, odom_from_base: impl Fn(i32) -> Option<Pose2>) {
+    let truth = |k: i32| lane(1.5) * pose2(0.01 * f64::from(k), 0.0, 2.5);
+    for _ in 0..5 {
+        let scan = robot.scan(&lane(12.0));
+        robot.sees(scan, odom_from_base(0), &lane(12.0));
+    }
+    for k in 0..80 {
+        let scan = robot.scan(&truth(k));
+        let last = robot.sees(scan, odom_from_base(k), &truth(k));
+        if k == 79 {
+            robot.ends_well(&last, &truth(k), true);
+        }
+    }
+}
+
+/// Every tenth scan has nothing to do with the world.
+#[test]
+fn one_scan_in_ten_is_rubbish() {
+    for mut robot in robots() {
+        let mut last = None;
+        for k in 1..=120 {
+            let truth = lane(12.0 + 0.1 * f64::from(k));
+            let mut scan = robot.scan(&truth);
+            if k % 10 == 7 {
+                scan.ranges_m =
+                    (0..541).map(|_| robot.rng.random::<f32>() * 30.0).collect::<Vec<f32>>().into();
+            }
+            last = Some((robot.sees(scan, None, &truth), truth));
+        }
+        let (last, truth) = last.unwrap();
+        robot.ends_well(&last, &truth, false);
+    }
+}
+
+/// For five seconds the wheels count 0.6 m/s while it stands, and then it drives on.
+#[test]
+fn wheels_that_spin_in_place() {
+    for mut robot in robots() {
+        let mut last = None;
+        for k in 0..=120 {
+            let t = 0.1 * f64::from(k);
+            let truth = lane(12.0 + (t - 5.0).max(0.0));
+            let odom_from_base = pose2(0.6 * t.min(5.0), 0.0, 0.0) * lane(12.0).inverse() * truth;
+            let scan = robot.scan(&truth);
+            last = Some((robot.sees(scan, Some(odom_from_base), &truth), truth));
+        }
+        let (last, truth) = last.unwrap();
+        robot.ends_well(&last, &truth, false);
+    }
+}
