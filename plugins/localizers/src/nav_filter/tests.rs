@@ -139,7 +139,6 @@ fn wheels_change_nothing_unless_they_are_asked() {
     assert_ne!(bits(&without), bits(&poses(&asked, true)));
 }
 
-/// A corridor shows nothing along its way; there the filter's own motion stands, and it says how sure that is.
 #[test]
 fn without_samples_scans_go_on_alone_and_without_scans_the_filter_reckons() {
     let drive = Drive { seconds: 10.0, speed_m_s: 0.4, turn_rad_s: 0.2, ..Drive::default() };

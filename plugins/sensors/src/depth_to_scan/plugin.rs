@@ -34,6 +34,9 @@ pub struct DepthToScan {
     highest_m: f64,
     blindness: Blindness,
     attitude: Option<Attitude>,
+    /// When each camera gave its last picture.
+    newest: Vec<(SensorId, Time)>,
+    n_late: u64,
     /// Scans of the camera that gave the last picture.
     maker: Option<(Intrinsics, ScanMaker)>,
 }
@@ -66,7 +69,16 @@ impl Plugin<dyn Sensor> for DepthToScanParams {
         }
         let blindness = Blindness::after(self.blind_frames, self.min_valid_fraction);
         let (sensor, params) = (context.sensor, self.clone());
-        Ok(Box::new(DepthToScan { sensor, params, highest_m, blindness, attitude: None, maker: None }))
+        Ok(Box::new(DepthToScan {
+            sensor,
+            params,
+            highest_m,
+            blindness,
+            attitude: None,
+            newest: Vec::new(),
+            n_late: 0,
+            maker: None,
+        }))
     }
 }
 
@@ -77,7 +89,7 @@ impl Sensor for DepthToScan {
 
     fn derive(
         &mut self,
-        _: &mut Cx<'_>,
+        cx: &mut Cx<'_>,
         inputs: Seen<'_>,
         out: &mut Observations,
     ) -> Result<(), SensorError> {
@@ -85,17 +97,36 @@ impl Sensor for DepthToScan {
         for observation in inputs.iter() {
             match &observation.data {
                 Data::Imu(imu) if observation.valid => self.turn(observation, imu),
-                Data::DepthImage(image) => {
+                Data::DepthImage(image) if self.is_newer(observation) => {
                     failed = failed.and(self.scan(observation, image, out));
                 }
                 _ => {}
             }
         }
+        cx.trace.count("depth pictures dropped: not newer than the last", self.n_late as f64);
         failed
     }
 }
 
 impl DepthToScan {
+    /// A picture that comes twice, or late, is dropped.
+    fn is_newer(&mut self, observation: &Observation) -> bool {
+        let (sensor, stamp) = (observation.sensor, observation.stamp);
+        let is_newer = match self.newest.iter_mut().find(|(of, _)| *of == sensor) {
+            Some((_, newest)) if *newest >= stamp => false,
+            Some((_, newest)) => {
+                *newest = stamp;
+                true
+            }
+            None => {
+                self.newest.push((sensor, stamp));
+                true
+            }
+        };
+        self.n_late += u64::from(!is_newer);
+        is_newer
+    }
+
     /// Takes in how the base is tilted.
     fn turn(&mut self, observation: &Observation, imu: &Imu) {
         let Some(world_from_base) = world_from_base(&observation.base_from_sensor, imu) else { return };

@@ -27,14 +27,17 @@ struct Robot {
     n_wrong: usize,
 }
 
+fn mappers(map_from_base: Pose2) -> [(&'static str, Mapper); 3] {
+    [
+        ("scan_match_slam", Mapper::start_at(&ScanMatchSlamParams::default(), map_from_base)),
+        ("rbpf_slam", Mapper::start_at(&RbpfSlamParams::default(), map_from_base)),
+        ("graph_slam", Mapper::start_at(&GraphSlamParams::default(), map_from_base)),
+    ]
+}
+
 /// Each plugin after it has mapped twelve meters of the lane, a meter a second.
 fn robots() -> impl Iterator<Item = Robot> {
-    let mappers = [
-        ("scan_match_slam", Mapper::start_at(&ScanMatchSlamParams::default(), lane(0.0))),
-        ("rbpf_slam", Mapper::start_at(&RbpfSlamParams::default(), lane(0.0))),
-        ("graph_slam", Mapper::start_at(&GraphSlamParams::default(), lane(0.0))),
-    ];
-    mappers.into_iter().map(|(name, mapper)| {
+    mappers(lane(0.0)).into_iter().map(|(name, mapper)| {
         let mut robot =
             Robot { name, world: LoopWorld::load(), mapper, rng: stream(9), time_s: 1.0, n_wrong: 0 };
         for k in 0..=120 {
@@ -129,6 +132,26 @@ fn goes_on_elsewhere(mut robot: Robot, odom_from_base: impl Fn(i32) -> Option<Po
         if k == 79 {
             robot.ends_well(&last, &truth(k), true);
         }
+    }
+}
+
+/// Scans of other places that come late, or twice.
+#[test]
+fn scans_that_are_not_newer_change_nothing() {
+    for mut robot in robots() {
+        let now = Time::from_secs(robot.time_s);
+        let (before, map) = (robot.mapper.see_at(now, &[]), robot.mapper.map.clone());
+        for age_s in [0.0, 0.5] {
+            let scan = robot.scan(&lane(20.0));
+            let after = robot.mapper.see_at(now, &[laser(robot.time_s - age_s, scan)]);
+            assert_eq!(
+                (after.stamp, after.map_from_base),
+                (before.stamp, before.map_from_base),
+                "{}",
+                robot.name
+            );
+        }
+        assert_eq!(map.grid, robot.mapper.map.grid, "{}", robot.name);
     }
 }
 

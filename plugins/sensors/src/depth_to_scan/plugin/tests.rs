@@ -118,6 +118,21 @@ fn five_pictures_of_nothing_are_a_blind_camera() {
 }
 
 #[test]
+fn a_picture_that_is_not_newer_is_dropped_and_counted() {
+    let mut scanner = sensor(&params());
+    let (trace, mut out) = (Trace::counting(), Observations::default());
+    let at = |stamp_s: f64| picture(stamp_s, PICTURE.as_flattened(), 0.0);
+    // Another camera has a clock of its own.
+    let other = Observation { sensor: SensorId(2), ..at(0.7) };
+    for seen in [at(1.0), at(1.0), at(0.5), other, at(1.1)] {
+        scanner.derive(&mut Cx { now: Time::ZERO, trace: &trace }, Seen::sorted(&[seen]), &mut out).unwrap();
+    }
+    let stamps: Vec<Time> = given(&out).iter().map(|scan| scan.stamp).collect();
+    assert_eq!(stamps, [1.0, 0.7, 1.1].map(Time::from_secs));
+    assert_eq!(trace.take().1.last(), Some(&("depth pictures dropped: not newer than the last", 2.0)));
+}
+
+#[test]
 fn a_picture_that_does_not_fit_its_camera_is_dropped_and_the_next_is_read() {
     let mut scanner = sensor(&params());
     let (trace, mut out) = (Trace::unwatched(), Observations::default());
