@@ -1,6 +1,7 @@
 //! Plugins through the binary boundary: ours, other people's, and broken ones.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, unsafe_code, missing_docs)]
 
+mod alone;
 mod broken;
 mod compiler;
 mod cpp;

@@ -1,5 +1,6 @@
 //! Plugins that misbehave, in a library that was loaded: what they do must not reach the robot.
 
+use crate::alone::passes_alone;
 use crate::nested::{GIVEN_FIXTURE, aborting_fixture, built, fixture, fixture_folder, root, rumbo, scratch};
 use rumbo_core::boundary::Buffer;
 use rumbo_core::boundary::host::Library;
@@ -243,11 +244,7 @@ fn ten_thousand_instances_and_plans_leave_nothing_behind() {
     // In a process of its own: memory is measured for the whole process, and the other tests of this one use it at the same time.
     if std::env::var_os(GIVEN_FIXTURE).is_none() {
         let name = "rust_fixture::ten_thousand_instances_and_plans_leave_nothing_behind";
-        let mut alone = Command::new(std::env::current_exe().unwrap());
-        let out =
-            alone.args(["--exact", name, "--nocapture"]).env(GIVEN_FIXTURE, fixture()).output().unwrap();
-        let told = String::from_utf8_lossy(&out.stdout);
-        return assert!(told.contains("1 passed"), "{told}{}", String::from_utf8_lossy(&out.stderr));
+        return passes_alone(name, GIVEN_FIXTURE, fixture());
     }
     let (entry, request) = (entry(), request());
     let cycle = || {

@@ -1,6 +1,8 @@
 //! Every plugin of the shipped registry keeps the laws of its stage, and plugins that break a law are told.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
+#[path = "../boundary/alone.rs"]
+mod alone;
 mod doubles;
 mod shipped;
 mod spoiled_planners;

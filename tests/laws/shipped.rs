@@ -1,9 +1,9 @@
 //! The plugins that are shipped.
 
+use super::alone::passes_alone;
 use super::*;
 use rumbo::laws::laws_of;
 use std::collections::BTreeSet;
-use std::process::Command;
 
 /// Set where a test has the process for itself.
 const ALONE: &str = "RUMBO_TEST_ALONE";
@@ -12,10 +12,7 @@ const ALONE: &str = "RUMBO_TEST_ALONE";
 /// they need not take turns.
 fn keep_their_laws(test: &str, stage: Stage) {
     if std::env::var_os(ALONE).is_none() {
-        let mut alone = Command::new(std::env::current_exe().unwrap());
-        let out = alone.args(["--exact", &format!("shipped::{test}")]).env(ALONE, "1").output().unwrap();
-        let told = String::from_utf8_lossy(&out.stdout);
-        return assert!(told.contains("1 passed"), "{told}{}", String::from_utf8_lossy(&out.stderr));
+        return passes_alone(&format!("shipped::{test}"), ALONE, "1");
     }
     let registry = registry();
     let report = verify(registry.of_stage(stage));

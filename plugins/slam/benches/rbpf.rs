@@ -10,7 +10,7 @@ use rumbo_kit::streams::Streams;
 use rumbo_slam::rbpf_slam::RbpfSlamParams;
 use rumbo_slam::rbpf_slam::filter::Filter;
 use rumbo_slam::rbpf_slam::follower::Followed;
-use rumbo_slam::rbpf_slam::particle::KeyScan;
+use rumbo_slam::rbpf_slam::particle::{Doubt, KeyScan};
 
 fn main() {
     divan::main();
@@ -75,9 +75,7 @@ fn one_scan_that_is_taken_in(bencher: Bencher, particles: u32) {
             points: &points,
             followed,
             explores: true,
-            is_lost: false,
-            needs_proof: false,
-            is_trial: false,
+            doubt: Doubt::None,
         }))
     });
 }

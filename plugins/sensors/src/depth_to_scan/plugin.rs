@@ -1,6 +1,7 @@
 //! Depth pictures as scans, as a virtual sensor of the framework.
 
 use crate::tilt::{without_yaw, world_from_base};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{Translation3, UnitQuaternion};
@@ -35,7 +36,7 @@ pub struct DepthToScan {
     blindness: Blindness,
     attitude: Option<Attitude>,
     /// When each camera gave its last picture.
-    newest: Vec<(SensorId, Time)>,
+    newest: BTreeMap<SensorId, Time>,
     n_late: u64,
     /// Scans of the camera that gave the last picture.
     maker: Option<(Intrinsics, ScanMaker)>,
@@ -75,7 +76,7 @@ impl Plugin<dyn Sensor> for DepthToScanParams {
             highest_m,
             blindness,
             attitude: None,
-            newest: Vec::new(),
+            newest: BTreeMap::new(),
             n_late: 0,
             maker: None,
         }))
@@ -112,18 +113,12 @@ impl DepthToScan {
     /// A picture that comes twice, or late, is dropped.
     fn is_newer(&mut self, observation: &Observation) -> bool {
         let (sensor, stamp) = (observation.sensor, observation.stamp);
-        let is_newer = match self.newest.iter_mut().find(|(of, _)| *of == sensor) {
-            Some((_, newest)) if *newest >= stamp => false,
-            Some((_, newest)) => {
-                *newest = stamp;
-                true
-            }
-            None => {
-                self.newest.push((sensor, stamp));
-                true
-            }
-        };
-        self.n_late += u64::from(!is_newer);
+        let is_newer = self.newest.get(&sensor).is_none_or(|newest| *newest < stamp);
+        if is_newer {
+            self.newest.insert(sensor, stamp);
+        } else {
+            self.n_late += 1;
+        }
         is_newer
     }
 

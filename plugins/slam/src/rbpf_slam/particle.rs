@@ -12,6 +12,19 @@ use rumbo_kit::scan_match::{
 };
 use rumbo_kit::tile_map::{LevelView, TileMap};
 
+/// What speaks against a scan being where the robot was followed to; each is also what comes before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Doubt {
+    /// Nothing.
+    None,
+    /// Nothing ties it to the scans before: only a match that nobody can doubt counts.
+    Untied,
+    /// The robot was lost, and that it was found is not proven: nothing is drawn.
+    Unproven,
+    /// The robot is lost: what does not match is not weighed.
+    Lost,
+}
+
 /// A scan as the filter gets it.
 #[derive(Debug, Clone)]
 pub struct KeyScan<'a> {
@@ -25,12 +38,8 @@ pub struct KeyScan<'a> {
     pub followed: Followed,
     /// Draw it into the map although it overlaps with it too little to be matched.
     pub explores: bool,
-    /// The robot is lost.
-    pub is_lost: bool,
-    /// Nothing ties it to the scans before, or the robot is lost: only a match that nobody can doubt finds it again.
-    pub needs_proof: bool,
-    /// That was not proven over some way yet: nothing is drawn.
-    pub is_trial: bool,
+    /// How sure it is that it belongs there.
+    pub doubt: Doubt,
 }
 
 /// One guess.
@@ -69,8 +78,9 @@ fn matched(
     let views: Vec<LevelView<'_>> = map.views();
     let found = match_scan(&views, key.points, &prior.map_from_base, Some(prior), &settings.matching)?;
     let mut status = settings.gate.judge(&found, &prior.map_from_base);
-    let least = if key.needs_proof { SURE_SCORE.max(settings.minimum_score) } else { settings.minimum_score };
-    let is_doubtful = key.needs_proof && (status == MatchStatus::Degenerate || found.known() < SURE_KNOWN);
+    let needs_proof = key.doubt >= Doubt::Untied;
+    let least = if needs_proof { SURE_SCORE.max(settings.minimum_score) } else { settings.minimum_score };
+    let is_doubtful = needs_proof && (status == MatchStatus::Degenerate || found.known() < SURE_KNOWN);
     if status.is_match() && (found.end.mean_value() < least || is_doubtful) {
         status = MatchStatus::Diverged;
     }
@@ -117,7 +127,7 @@ impl Particle {
             let before_from_after = before.inverse() * self.map_from_base;
             return Looked {
                 status: *status,
-                is_drawn: !key.is_trial,
+                is_drawn: key.doubt < Doubt::Unproven,
                 covariance: found.covariance,
                 before_from_after,
             };
@@ -126,7 +136,8 @@ impl Particle {
         let covariance = key.followed.covariance_in(&before);
         let guess = Proposal { mean: coordinates(&prior.map_from_base), covariance, ln_weight: 0.0 };
         self.map_from_base = guess.draw(LEAST_FLOOR, rng);
-        if let (Some(finest), false) = (self.map.finest(), status == MatchStatus::TooFewPoints || key.is_lost)
+        if let (Some(finest), false) =
+            (self.map.finest(), status == MatchStatus::TooFewPoints || key.doubt == Doubt::Lost)
         {
             let looked = linearize(&LevelView::new(finest), key.points, &self.map_from_base);
             self.add_weight(ln_likelihood(&looked, key.points.len(), settings.likelihood_variance));

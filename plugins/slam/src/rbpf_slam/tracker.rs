@@ -24,7 +24,6 @@ use rumbo_kit::scan_match::ScanPoints;
 use rumbo_kit::streams::Streams;
 use rumbo_kit::turn_way_turn::noisy;
 use std::collections::VecDeque;
-use trial::Trial;
 
 /// What was left out or went wrong, and how often.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -83,7 +82,8 @@ pub struct Tracker {
     pub(super) n_unmatched: u32,
     /// Way since the last match, meters.
     pub(super) way_unmatched_m: f64,
-    pub(super) trial: Trial,
+    /// The way since a lost robot was found, while that is not proven, meters.
+    pub(super) proven_m: Option<f64>,
     closing: Closing,
     points: ScanPoints,
     waiting: VecDeque<Observation>,
@@ -112,7 +112,7 @@ impl Tracker {
             covariance: Matrix3::zeros(),
             n_unmatched: 0,
             way_unmatched_m: 0.0,
-            trial: Trial::default(),
+            proven_m: None,
             closing: Closing::default(),
             points: ScanPoints::default(),
             waiting: VecDeque::new(),
@@ -130,7 +130,7 @@ impl Tracker {
         (self.counters, self.is_started, self.stamp) = (Counters::default(), true, None);
         (self.step_stamp, self.step_from_base) = (Time::default(), Pose2::identity());
         (self.since_step, self.covariance) = (Step::default(), *covariance);
-        (self.n_unmatched, self.way_unmatched_m, self.trial) = (0, 0.0, Trial::default());
+        (self.n_unmatched, self.way_unmatched_m, self.proven_m) = (0, 0.0, None);
         self.may_be_another_clock = false;
         self.waiting.clear();
     }
@@ -154,7 +154,7 @@ impl Tracker {
         self.step_from_base = Pose2::identity();
         self.since_step = Step { stray: [deviation(0).max(deviation(1)), deviation(2)], ..Step::default() };
         (self.covariance, self.n_unmatched, self.way_unmatched_m) = (*covariance, 0, 0.0);
-        self.trial = Trial::default();
+        self.proven_m = None;
         self.odometer.forget();
         self.waiting.clear();
         self.may_be_another_clock = true;

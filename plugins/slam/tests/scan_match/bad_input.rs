@@ -1,7 +1,7 @@
 //! What is wrong with the input is said, and does no harm.
 
-use super::course::Mapper;
-use super::world::{LoopWorld, lane, laser, observation, stream};
+use super::course::{Mapper, off_m};
+use super::world::{LoopWorld, lane, laser, observation, rubbish, stream};
 use nalgebra::Matrix3;
 use rand::RngExt;
 use rumbo_core::frames::{Pose2, pose2};
@@ -22,10 +22,6 @@ fn mapped_with(params: &ScanMatchSlamParams, world: &LoopWorld) -> (Mapper, f64,
         mapper.see(&[laser(1.0 + 0.1 * t, world.scan(&lane(0.1 * t), &mut rng))]);
     }
     (mapper, 10.9, 9.9)
-}
-
-fn off_m(estimate: &Pose2, truth: &Pose2) -> f64 {
-    (truth.inverse() * estimate).translation.vector.norm()
 }
 
 #[test]
@@ -87,7 +83,7 @@ fn one_scan_in_ten_may_be_rubbish() {
         let mut scan = world.scan(&truth, &mut rng);
         let is_rubbish = k % 10 == 7;
         if is_rubbish {
-            scan.ranges_m = (0..541).map(|_| rng.random::<f32>() * 30.0).collect::<Vec<f32>>().into();
+            scan.ranges_m = rubbish(&mut rng).into();
         }
         let estimate = mapper.see(&[laser(1.0 + 0.1 * f64::from(k), scan)]);
         assert!(off_m(&estimate.pose2(), &truth) < 0.15, "{k}: {}", estimate.pose2());

@@ -51,6 +51,11 @@ impl Mapper {
     }
 }
 
+/// Between two places, meters.
+pub fn off_m(estimate: &Pose2, truth: &Pose2) -> f64 {
+    (truth.inverse() * estimate).translation.vector.norm()
+}
+
 pub struct Course {
     pub speed_m_s: f64,
     pub rate_hz: f64,

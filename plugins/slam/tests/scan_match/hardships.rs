@@ -1,9 +1,8 @@
 //! What a robot meets in a disaster, for every plugin that maps with scans and without wheels: it goes on rightly, or says that
 //! it does not know where it is. Never for long it is sure of a wrong place.
 
-use super::course::Mapper;
-use super::world::{LoopWorld, lane, laser, observation, stream};
-use rand::RngExt;
+use super::course::{Mapper, off_m};
+use super::world::{LoopWorld, lane, laser, observation, rubbish, stream};
 use rumbo_core::frames::{Pose2, pose2};
 use rumbo_core::messages::{Data, Estimate, LaserScan, Odometry, Status};
 use rumbo_core::rng::Rng;
@@ -67,7 +66,7 @@ impl Robot {
         }
         seen.push(laser(self.time_s, scan));
         let estimate = self.mapper.see(&seen);
-        let is_wrong = off_m(&estimate, truth) > SURE_M && estimate.status == Status::Tracking;
+        let is_wrong = off_m(&estimate.pose2(), truth) > SURE_M && estimate.status == Status::Tracking;
         self.n_wrong += usize::from(is_wrong);
         estimate
     }
@@ -75,14 +74,10 @@ impl Robot {
     fn ends_well(&self, estimate: &Estimate, truth: &Pose2, may_be_lost: bool) {
         let Robot { name, n_wrong, .. } = self;
         assert!(*n_wrong <= SCANS_TO_SEE, "{name}: sure of a wrong place {n_wrong} times");
-        let knows = estimate.status == Status::Tracking && off_m(estimate, truth) < 0.15;
+        let knows = estimate.status == Status::Tracking && off_m(&estimate.pose2(), truth) < 0.15;
         let says = estimate.status == Status::Lost && may_be_lost;
-        assert!(knows || says, "{name}: {:?} {} m off", estimate.status, off_m(estimate, truth));
+        assert!(knows || says, "{name}: {:?} {} m off", estimate.status, off_m(&estimate.pose2(), truth));
     }
-}
-
-fn off_m(estimate: &Estimate, truth: &Pose2) -> f64 {
-    (truth.inverse() * estimate.pose2()).translation.vector.norm()
 }
 
 /// Half a minute in which it walks back by six meters, without scans, wheels or gyroscope.
@@ -122,17 +117,15 @@ fn carried_away_with_wheels() {
 
 fn goes_on_elsewhere(mut robot: Robot, odom_from_base: impl Fn(i32) -> Option<Pose2>) {
     let truth = |k: i32| lane(1.5) * pose2(0.01 * f64::from(k), 0.0, 2.5);
+    let mut see = |odom_from_base, truth: &Pose2| {
+        let scan = robot.scan(truth);
+        robot.sees(scan, odom_from_base, truth)
+    };
     for _ in 0..5 {
-        let scan = robot.scan(&lane(12.0));
-        robot.sees(scan, odom_from_base(0), &lane(12.0));
+        see(odom_from_base(0), &lane(12.0));
     }
-    for k in 0..80 {
-        let scan = robot.scan(&truth(k));
-        let last = robot.sees(scan, odom_from_base(k), &truth(k));
-        if k == 79 {
-            robot.ends_well(&last, &truth(k), true);
-        }
-    }
+    let last = (0..80).map(|k| see(odom_from_base(k), &truth(k))).last().unwrap();
+    robot.ends_well(&last, &truth(79), true);
 }
 
 /// Scans of other places that come late, or twice.
@@ -164,8 +157,7 @@ fn one_scan_in_ten_is_rubbish() {
             let truth = lane(12.0 + 0.1 * f64::from(k));
             let mut scan = robot.scan(&truth);
             if k % 10 == 7 {
-                scan.ranges_m =
-                    (0..541).map(|_| robot.rng.random::<f32>() * 30.0).collect::<Vec<f32>>().into();
+                scan.ranges_m = rubbish(&mut robot.rng).into();
             }
             last = Some((robot.sees(scan, None, &truth), truth));
         }

@@ -1,5 +1,6 @@
 //! The rubble loop of the specification, and a robot with a laser that drives around in it.
 
+use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 use rumbo_core::frames::{Pose2, Pose3, Twist, pose2};
 use rumbo_core::messages::{Data, Imu, LaserScan, Observation, SensorId};
@@ -139,6 +140,11 @@ pub fn lane(s_m: f64) -> Pose2 {
         left_m -= way_m;
     }
     pose
+}
+
+/// Readings that have nothing to do with the world.
+pub fn rubbish(rng: &mut Rng) -> Vec<f32> {
+    (0..N_BEAMS).map(|_| rng.random::<f32>() * 30.0).collect()
 }
 
 pub fn laser(time_s: f64, scan: LaserScan) -> Observation {

@@ -18,8 +18,7 @@ pub(super) fn put_tracker(bytes: &mut Vec<u8>, tracker: &Tracker) {
     put(bytes, &[tracker.since_step.measured_turn.unwrap_or_default()]);
     put(bytes, tracker.covariance.as_slice());
     // What was not proven yet is not known.
-    let is_lost = tracker.is_lost() || tracker.is_on_trial();
-    let at_least = if is_lost { tracker.settings().lost_after_scans } else { 0 };
+    let at_least = if tracker.is_on_trial() { tracker.settings().lost_after_scans } else { 0 };
     put_count(bytes, tracker.n_unmatched.max(at_least) as usize);
     put(bytes, &[tracker.way_unmatched_m]);
     let odometer = &tracker.odometer;

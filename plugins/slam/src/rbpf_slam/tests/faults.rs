@@ -3,7 +3,7 @@
 use super::hall::{BEAMS, Drive, apart, lane, observation, tracker, update};
 use crate::rbpf_slam::RbpfSlamParams;
 use crate::rbpf_slam::follower::Followed;
-use crate::rbpf_slam::particle::KeyScan;
+use crate::rbpf_slam::particle::{Doubt, KeyScan};
 use crate::rbpf_slam::saved::save;
 use crate::rbpf_slam::tracker::Tracker;
 use nalgebra::Matrix3;
@@ -250,9 +250,7 @@ fn weights_that_are_no_numbers_count_nothing_and_when_none_is_left_all_are_equal
                 covariance: Matrix3::identity() * 1e-4,
             },
             explores: true,
-            is_lost: false,
-            needs_proof: false,
-            is_trial: false,
+            doubt: Doubt::None,
         })
     };
     tracker.filter.particles[0].ln_weight = f64::NAN;

@@ -7,7 +7,7 @@ use crate::graph_slam::surface::SurfacePoint;
 use crate::rbpf_slam::filter::Outcome;
 use crate::rbpf_slam::follower::is_degenerate;
 use crate::rbpf_slam::motion::Step;
-use crate::rbpf_slam::particle::KeyScan;
+use crate::rbpf_slam::particle::{Doubt, KeyScan};
 use rumbo_core::frames::Pose2;
 use rumbo_core::messages::{LaserScan, Observation};
 use rumbo_core::time::Time;
@@ -101,7 +101,8 @@ impl Tracker {
         surface: Vec<SurfacePoint>,
         placed: Option<&Registered>,
     ) {
-        let (was_lost, is_trial) = (self.is_lost(), self.is_lost() || self.is_on_trial());
+        let (was_lost, doubt) = (self.is_lost(), self.doubt(placed));
+        let may_draw = doubt < Doubt::Unproven;
         let is_near = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
         let (placed_step, since_step) = (&self.step_from_base, &self.since_step);
         let followed = self.follower.followed(placed_step, placed, since_step, &self.settings.motion);
@@ -110,17 +111,15 @@ impl Tracker {
             base_from_sensor: observation.base_from_sensor,
             points: &self.points,
             followed,
-            explores: is_near && placed.is_some() && !is_trial,
-            is_lost: was_lost,
-            needs_proof: is_trial || placed.is_none() && self.may_be_anywhere(),
-            is_trial,
+            explores: is_near && placed.is_some() && may_draw,
+            doubt,
         };
         let is_first = self.filter.lineage().is_empty();
         let outcome = self.filter.take(&key);
         self.count(&outcome, is_first);
         let is_matched = outcome.n_matched > 0;
         let is_seen = is_first || is_matched || outcome.best.is_some_and(|best| best.is_drawn);
-        let is_drawn = is_seen && !is_trial;
+        let is_drawn = is_seen && may_draw;
         if let (None, true, Some(best)) = (placed, is_matched, &outcome.best) {
             self.step_from_base = best.before_from_after;
         }
@@ -133,6 +132,18 @@ impl Tracker {
         }
         (self.step_stamp, self.step_from_base) = (observation.stamp, Pose2::identity());
         self.since_step = Step::default();
+    }
+
+    fn doubt(&self, placed: Option<&Registered>) -> Doubt {
+        if self.is_lost() {
+            Doubt::Lost
+        } else if self.is_on_trial() {
+            Doubt::Unproven
+        } else if placed.is_none() && self.may_be_anywhere() {
+            Doubt::Untied
+        } else {
+            Doubt::None
+        }
     }
 
     /// Nothing ties a scan to those before it that does not fit on them: no wheels do, or many in a row do not fit.
