@@ -34,4 +34,4 @@ pub use settings::{LineKind, ScanOdometrySettings};
 pub use slice::SlicePitch;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -52,7 +52,8 @@ impl Linearized {
     }
 }
 
-/// Evaluates a scan at a pose (equations 8 to 14).
+/// Evaluates a scan at a pose (equations 8 to 14). What the map seems to say along a direction that the scan by its own shape
+/// cannot tell is left out.
 pub fn linearize<L: MatchLevel>(level: &L, points: &ScanPoints, map_from_base: &Pose2) -> Linearized {
     let level_from_map = level.level_from_map();
     let size = level.size();
@@ -61,7 +62,12 @@ pub fn linearize<L: MatchLevel>(level: &L, points: &ScanPoints, map_from_base: &
     }
     let placed = Placed::new(&(level_from_map * map_from_base), level.resolution_m());
     let sums = simd::widest(Fold { level, points, placed });
-    sums.in_map_frame(level.resolution_m(), &level_from_map)
+    let mut told = sums.in_map_frame(level.resolution_m(), &level_from_map);
+    if let Some(shape) = points.shape() {
+        let shape = shape.turned(&map_from_base.rotation);
+        (told.hessian, told.descent) = shape.only_seen(&told.hessian, &told.descent);
+    }
+    told
 }
 
 /// The base on a level, in cells. The whole cells are kept apart, so that single precision resolves a ten-thousandth of

@@ -5,7 +5,7 @@ use super::level::MatchLevel;
 use super::linearized::{Linearized, linearize};
 use super::observability::{Observability, ObservabilitySettings};
 use super::points::ScanPoints;
-use super::step::{PosePrior, difference, step};
+use super::step::{PosePrior, step};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::Pose2;
 
@@ -145,7 +145,7 @@ pub fn match_scan<L: MatchLevel>(
     let map_from_prior = prior.map_or(*map_from_start, |prior| prior.map_from_base);
     let mut answer = map_from_base;
     if !seen.is_complete() {
-        answer = moved(&map_from_prior, &seen.seen_part(&difference(&map_from_prior, &map_from_base)));
+        answer = seen.held(&map_from_prior, &map_from_base);
         end = search.look(finest, &answer);
     }
     let mut covariance = settings.covariance.from_curvature(&end, &seen);
@@ -162,6 +162,7 @@ fn few_of(points: &ScanPoints, n_least: usize) -> Option<ScanPoints> {
     // Those that are left stand for the others, also against a prior.
     let mut few = ScanPoints::default();
     points.iter().step_by(every).for_each(|[x, y, weight]| few.push(x, y, weight * every as f32));
+    few.set_shape(points.shape().copied());
     Some(few)
 }
 

@@ -1,7 +1,10 @@
 //! Which directions a scan says nothing about: along a corridor, in open space, around a round room.
 
+use super::covariance::moved;
 use super::linearized::Linearized;
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use super::step::difference;
+use nalgebra::{Matrix3, SymmetricEigen, UnitComplex, Vector3};
+use rumbo_core::frames::Pose2;
 
 /// When a direction counts as not seen (section of its name in Zhang, Kaess, Singh, ICRA 2016: degeneracy).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +79,22 @@ impl Observability {
         (!found.is_complete()).then_some(found)
     }
 
+    /// The same directions as seen from axes in which these are turned.
+    pub fn turned(&self, turn: &UnitComplex<f64>) -> Observability {
+        let mut axes = Matrix3::identity();
+        axes.fixed_view_mut::<2, 2>(0, 0).copy_from(turn.to_rotation_matrix().matrix());
+        Observability { directions: axes * self.directions, ..*self }
+    }
+
+    /// What other evidence says along each direction, 1/m².
+    pub(super) fn evidence_of(&self, hessian: &Matrix3<f64>) -> Vector3<f64> {
+        let scaled = scaled(hessian, self.extent_m);
+        Vector3::from_fn(|k, _| {
+            let direction = self.directions.column(k);
+            direction.dot(&(scaled * direction))
+        })
+    }
+
     /// Every direction is seen.
     pub fn is_complete(&self) -> bool {
         self.seen == [true; 3]
@@ -109,6 +128,11 @@ impl Observability {
         sum.component_mul(&scale)
     }
 
+    /// A pose, but along directions that are not seen where it was expected.
+    pub fn held(&self, expected: &Pose2, pose: &Pose2) -> Pose2 {
+        if self.is_complete() { *pose } else { moved(expected, &self.seen_part(&difference(expected, pose))) }
+    }
+
     /// The evidence without what looks like evidence along directions that are not seen: `D^-1 Σ_seen λ v v^T D^-1` and
     /// `D^-1 Σ_seen v v^T D b`.
     pub(super) fn seen_evidence(&self, linearized: &Linearized) -> (Matrix3<f64>, Vector3<f64>) {
@@ -117,7 +141,7 @@ impl Observability {
 
     /// The same of other evidence, which these directions need not take apart: `D^-1 P D H D P D^-1` and `D^-1 P D b`, where P
     /// projects on what is seen.
-    pub(super) fn only_seen(
+    pub fn only_seen(
         &self,
         hessian: &Matrix3<f64>,
         descent: &Vector3<f64>,
@@ -138,6 +162,16 @@ impl Observability {
         let inverse = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, self.extent_m));
         let blind = Matrix3::from_diagonal(&Vector3::from_fn(|k, _| f64::from(u8::from(!self.seen[k]))));
         inverse * self.directions * blind * self.directions.transpose() * inverse
+    }
+
+    /// A covariance of x, y, yaw, but along directions that are not seen with this variance, m² (yaw scaled to lengths).
+    pub fn with_blind(&self, covariance: &Matrix3<f64>, variance_m2: f64) -> Matrix3<f64> {
+        let inverse = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, self.extent_m));
+        let scale = Matrix3::from_diagonal(&self.scale());
+        let kept = Matrix3::from_diagonal(&Vector3::from_fn(|k, _| f64::from(u8::from(self.seen[k]))));
+        let project = self.directions * kept * self.directions.transpose();
+        let seen = scale * project * inverse * covariance * inverse * project * scale;
+        seen + self.compose(|k| if self.seen[k] { 0.0 } else { variance_m2 })
     }
 
     /// Axes by the largest component of each direction that is not seen.

@@ -1,17 +1,21 @@
 //! The points of one scan, in the base frame.
 
+use super::observability::Observability;
+
 /// Points with weights, as columns. Kept between scans, so that a warm one allocates nothing.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ScanPoints {
     x: Vec<f32>,
     y: Vec<f32>,
     weights: Vec<f32>,
+    shape: Option<Observability>,
 }
 
 impl ScanPoints {
     /// Takes all points out.
     pub fn clear(&mut self) {
         [&mut self.x, &mut self.y, &mut self.weights].into_iter().for_each(Vec::clear);
+        self.shape = None;
     }
 
     /// Adds a point, meters; a weight of 1 is that of an ordinary reading. What is not finite is left out.
@@ -52,6 +56,17 @@ impl ScanPoints {
     /// Changes the weights; those of points not named stay as they are.
     pub fn weights_mut(&mut self) -> &mut [f32] {
         &mut self.weights
+    }
+
+    /// Directions, in the base frame, of which the scan by its own shape tells something and nothing; none where it tells all, or
+    /// where nobody looked.
+    pub fn shape(&self) -> Option<&Observability> {
+        self.shape.as_ref()
+    }
+
+    /// Says so.
+    pub fn set_shape(&mut self, shape: Option<Observability>) {
+        self.shape = shape;
     }
 
     /// x, y and weight of each.

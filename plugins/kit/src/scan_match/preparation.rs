@@ -1,6 +1,9 @@
 //! From readings to points: what of a scan is worth matching, and how much.
 
+use super::observability::Observability;
 use super::points::ScanPoints;
+use super::shape::blind_directions;
+use nalgebra::{Matrix2, Vector2};
 use rumbo_core::frames::Pose3;
 use rumbo_core::messages::LaserScan;
 
@@ -42,6 +45,18 @@ impl Default for ScanPreparation {
 /// A gap in what was seen counts for no more than this, meters: behind an edge nothing was seen.
 const LONGEST_GAP_M: f64 = 0.5;
 
+/// Directions, in the base frame, of which a scan by its own shape tells something and nothing, by its readings between these
+/// ranges (m); none where it tells all of them.
+pub fn shape_of(scan: &LaserScan, base_from_sensor: &Pose3, ranges_m: [f64; 2]) -> Option<Observability> {
+    let [min_range_m, max_range_m] = ranges_m;
+    let height_band_m = [f64::NEG_INFINITY, f64::INFINITY];
+    let preparation =
+        ScanPreparation { min_range_m, max_range_m, height_band_m, ..ScanPreparation::default() };
+    let mut points = ScanPoints::default();
+    preparation.prepare(scan, base_from_sensor, &mut points);
+    points.shape().copied()
+}
+
 impl ScanPreparation {
     /// Replaces the points by those of a scan, in the base frame; roll and pitch of the sensor count.
     pub fn prepare(&self, scan: &LaserScan, base_from_sensor: &Pose3, points: &mut ScanPoints) {
@@ -49,6 +64,7 @@ impl ScanPreparation {
         let axes = base_from_sensor.rotation.to_rotation_matrix();
         let origin = base_from_sensor.translation;
         let [lowest_m, highest_m] = self.height_band_m;
+        let mut beams = Vec::with_capacity(scan.ranges_m.len());
         for (idx, &reading_m) in scan.ranges_m.iter().enumerate() {
             let range_m = f64::from(reading_m);
             let is_reading = reading_m >= scan.min_range_m && reading_m <= scan.max_range_m;
@@ -62,14 +78,19 @@ impl ScanPreparation {
                 let x = origin.x + axes[(0, 0)] * ahead + axes[(0, 1)] * left;
                 let y = origin.y + axes[(1, 0)] * ahead + axes[(1, 1)] * left;
                 points.push(x as f32, y as f32, self.weight_by_noise(range_m) as f32);
+                beams.push(idx);
             }
         }
+        let mount = [axes[(0, 0)], axes[(0, 1)], axes[(1, 0)], axes[(1, 1)], origin.x, origin.y];
+        let scanned = Scanned { scan, beams: &beams, max_range_m: self.max_range_m, mount };
+        let shape = blind_directions(points, |idx, across| scanned.ends_wall(idx, across, points));
         if self.full_weight_spacing_m > 0.0 {
             self.weigh_by_spacing(points);
         }
         if self.max_points > 0 && points.len() > self.max_points {
             thin(points, self.max_points);
         }
+        points.set_shape(shape);
     }
 
     fn weight_by_noise(&self, range_m: f64) -> f64 {
@@ -98,6 +119,49 @@ impl ScanPreparation {
         for (weight, share) in points.weights_mut().iter_mut().zip(shares) {
             *weight *= share.max(1e-3);
         }
+    }
+}
+
+/// Where the points of a scan come from.
+struct Scanned<'a> {
+    scan: &'a LaserScan,
+    /// The beam of each point.
+    beams: &'a [usize],
+    max_range_m: f64,
+    /// Ahead and left of the sensor along x, the same along y, and where it is, in the base frame.
+    mount: [f64; 6],
+}
+
+/// So many beams beside a wall that see nothing of it end it: one or two are lost now and then.
+const MISSED_BEAMS: usize = 4;
+/// What is seen this much farther away than the wall would be is another surface, meters and a share of the range.
+const BEHIND: [f64; 2] = [0.2, 0.1];
+/// Share of the longest range at which a wall would surely be seen.
+const SURELY_SEEN: f64 = 0.9;
+
+impl Scanned<'_> {
+    /// Beams beside the point see nothing, or something behind, although the wall would be within their range if it went on.
+    fn ends_wall(&self, idx: usize, across: &Matrix2<f64>, points: &ScanPoints) -> bool {
+        let (Some(beam), Some(x), Some(y)) = (self.beams.get(idx), points.x().get(idx), points.y().get(idx))
+        else {
+            return false;
+        };
+        let [xx, xy, yx, yy, from_x, from_y] = self.mount;
+        let to_point = Vector2::new(f64::from(*x) - from_x, f64::from(*y) - from_y);
+        let limit_m = self.max_range_m.min(f64::from(self.scan.max_range_m));
+        let is_missed = |beam: usize| {
+            let Some(reading_m) = self.scan.ranges_m.get(beam).map(|reading_m| f64::from(*reading_m)) else {
+                return false;
+            };
+            let (sin, cos) = self.scan.bearing_rad(beam).sin_cos();
+            let along = Vector2::new(xx * cos + xy * sin, yx * cos + yy * sin);
+            let wall_m = along.dot(&(across * to_point)) / along.dot(&(across * along));
+            let is_absent = reading_m.is_nan() || reading_m <= 0.0;
+            let is_behind = is_absent || reading_m > wall_m + BEHIND[0] + BEHIND[1] * wall_m;
+            is_behind && wall_m > 0.0 && wall_m < SURELY_SEEN * limit_m
+        };
+        (1..=MISSED_BEAMS).all(|k| is_missed(beam + k))
+            || (1..=MISSED_BEAMS).all(|k| beam.checked_sub(k).is_some_and(is_missed))
     }
 }
 

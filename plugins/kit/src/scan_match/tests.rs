@@ -1,6 +1,7 @@
 //! Against the numbers of the specification, a slow twin in double precision, and finite differences.
 
 mod scenes;
+mod shapes;
 mod surfaces;
 mod twin;
 mod vectors;

@@ -16,7 +16,7 @@ use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
 
 /// A wall from one end to the other, meters.
-type Wall = [[f64; 2]; 2];
+pub(crate) type Wall = [[f64; 2]; 2];
 
 /// Walls around a closed way through these corners.
 fn around(corners: &[[f64; 2]]) -> Vec<Wall> {
@@ -35,7 +35,7 @@ fn room() -> Vec<Wall> {
 }
 
 /// Two parallel walls, 2.4 m apart, without ends that can be seen.
-fn corridor() -> Vec<Wall> {
+pub(crate) fn corridor() -> Vec<Wall> {
     vec![[[-200.0, -1.2], [200.0, -1.2]], [[-200.0, 1.2], [200.0, 1.2]]]
 }
 
@@ -51,7 +51,7 @@ fn range_to(wall: &Wall, [x, y]: [f64; 2], bearing_rad: f64) -> Option<f64> {
 }
 
 /// What a scanner in the middle of the base sees from a pose, with noise of this deviation, meters.
-fn seen(walls: &[Wall], at: &Pose2, n_beams: usize, noise_m: f64, rng: &mut Xoshiro256PlusPlus) -> LaserScan {
+pub(crate) fn seen(walls: &[Wall], at: &Pose2, n_beams: usize, noise_m: f64, rng: &mut Xoshiro256PlusPlus) -> LaserScan {
     let opening_rad = if n_beams > 600 { 270f64 } else { 180.0 }.to_radians();
     let (first_rad, step_rad) = (-opening_rad / 2.0, opening_rad / (n_beams - 1) as f64);
     let noise = Normal::new(0.0, noise_m).unwrap();

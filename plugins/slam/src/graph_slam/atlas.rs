@@ -3,7 +3,7 @@
 use super::contradiction::View;
 use super::nearest::NearestTable;
 use super::registration::RegistrationSettings;
-use super::surface::{SurfacePoint, Turn};
+use super::surface::{Surface, SurfacePoint, Turn};
 use nalgebra::{Matrix2, Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
@@ -19,7 +19,7 @@ pub(super) struct KeyFrame {
     /// From where.
     pub base_from_sensor: Pose3,
     /// Its surfaces, seen from the base.
-    pub surface: Vec<SurfacePoint>,
+    pub surface: Surface,
     /// Its place was found by dead reckoning.
     pub is_guessed: bool,
 }

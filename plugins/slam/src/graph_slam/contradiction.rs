@@ -3,7 +3,7 @@
 //! How well a scan lies on others tells little of a robot that was carried along a corridor: its walls fit everywhere. What
 //! stands where there was nothing, and what is gone that was there, tells more.
 
-use super::surface::{SurfacePoint, Turn};
+use super::surface::{Surface, Turn};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
 
@@ -12,7 +12,7 @@ use rumbo_core::messages::LaserScan;
 pub(super) struct View<'a> {
     pub scan: &'a LaserScan,
     pub base_from_sensor: &'a Pose3,
-    pub surface: &'a [SurfacePoint],
+    pub surface: &'a Surface,
 }
 
 /// A point is in free space when it lies nearer than the readings beside it by this, meters; and by this share of the way.
@@ -34,7 +34,7 @@ fn in_free_space(one: &View<'_>, other: &View<'_>, one_from_other: &Pose2) -> [u
     let turn = Turn::new(&(pose2(origin.x, origin.y, axes).inverse() * one_from_other));
     let step_rad = one.scan.bearing_step_rad;
     let mut counts = [0; 2];
-    for point in other.surface {
+    for point in other.surface.iter() {
         let [x, y] = turn.place(point.at).map(f64::from);
         let beam = ((y.atan2(x) - one.scan.first_bearing_rad) / step_rad).round();
         let beam = if beam < 0.0 { beam + std::f64::consts::TAU / step_rad.abs() } else { beam };

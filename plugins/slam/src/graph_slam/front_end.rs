@@ -3,7 +3,7 @@
 use super::atlas::Atlas;
 use super::nearest::NearestTable;
 use super::registration::{Expected, Registered, register};
-use super::surface::SurfacePoint;
+use super::surface::Surface;
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, pose2};
 
@@ -73,7 +73,7 @@ impl FrontEnd {
     }
 
     /// Registers a scan; nothing where it cannot be believed.
-    pub fn place(&self, atlas: &Atlas, scan: &[SurfacePoint], prediction: &Prediction) -> Option<Registered> {
+    pub fn place(&self, atlas: &Atlas, scan: &Surface, prediction: &Prediction) -> Option<Registered> {
         let settings = &atlas.settings;
         let found =
             self.turned_more(atlas, scan, prediction, self.turned_as_predicted(atlas, scan, prediction))?;
@@ -85,7 +85,7 @@ impl FrontEnd {
     fn turned_as_predicted(
         &self,
         atlas: &Atlas,
-        scan: &[SurfacePoint],
+        scan: &Surface,
         prediction: &Prediction,
     ) -> Option<Registered> {
         let [off_m, off_rad] = prediction.deviation;
@@ -94,6 +94,7 @@ impl FrontEnd {
             information: known(atlas, off_m, off_rad),
             half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
             first_gate_m: prediction.first_gate_m,
+            shape: scan.shape,
         };
         register(&self.table, scan, &expected, &atlas.settings.registration)
     }
@@ -103,7 +104,7 @@ impl FrontEnd {
     fn turned_more(
         &self,
         atlas: &Atlas,
-        scan: &[SurfacePoint],
+        scan: &Surface,
         prediction: &Prediction,
         predicted: Option<Registered>,
     ) -> Option<Registered> {
@@ -118,10 +119,11 @@ impl FrontEnd {
         let others =
             turned.chain(prediction.without_odometer.into_iter().flatten()).filter_map(|frame_from_base| {
                 let expected = Expected {
-                    reference_from_scan: frame_from_base,
+                    reference_from_scan: scan.start(&prediction.frame_from_base, &frame_from_base),
                     information: known(atlas, off_m, HEADING_STEP_RAD),
                     half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
                     first_gate_m: FAR_GATE_M,
+                    shape: scan.shape,
                 };
                 register(&self.table, scan, &expected, &atlas.settings.registration)
             });

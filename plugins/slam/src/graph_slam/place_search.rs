@@ -75,6 +75,8 @@ impl PlaceSearch {
             information: Matrix3::zeros(),
             half_at: 1.0,
             first_gate_m: 0.4,
+            // Of several scans together.
+            shape: None,
         };
         let registered = register(&self.table, lately, &expected, &belief.registration)?;
         let off = expected.reference_from_scan.inverse() * registered.reference_from_scan;

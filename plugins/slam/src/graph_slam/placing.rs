@@ -3,8 +3,10 @@
 use super::contradiction::{View, denied_share};
 use super::front_end::{Prediction, SURE_FIT};
 use super::point_table::thinned;
+use super::surface::Surface;
 use super::tracker::{Fit, Tracker};
 use nalgebra::Matrix3;
+use rumbo_core::frames::Pose2;
 
 /// A robot whose scans fit no better than this for some time is somewhere else.
 const POOR_FIT: f64 = 0.6;
@@ -25,6 +27,9 @@ const LOOK_EVERY: u32 = 10;
 const PATIENT_LOOKS: u32 = 8;
 /// ... up to so many times as long.
 const LONGEST_PAUSE: u32 = 32;
+
+/// Standard deviation of a step that scans do not tell at least, meters.
+const STANDING_M: f64 = 0.004;
 
 fn is_narrow(view: &View<'_>) -> bool {
     view.scan.bearing_step_rad.abs() * (view.scan.ranges_m.len() as f64) < NARROW_RAD
@@ -58,7 +63,7 @@ impl Tracker {
             let [off_m, off_rad] = prediction.deviation;
             let known = nalgebra::Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
             let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
-            self.covariance = inverse.unwrap_or(self.covariance);
+            self.covariance = self.with_blind(inverse, &found.reference_from_scan, surface, off_m);
             // A robot that was carried away must not settle where it fits least badly.
             let (least_fit, most_denied) = if is_narrow(view) {
                 (0.0, 1.0)
@@ -87,6 +92,22 @@ impl Tracker {
                 self.look_anywhere(view);
             }
         }
+    }
+
+    /// Along directions that the scan cannot tell nothing corrects the prediction, whose errors add up.
+    fn with_blind(
+        &self,
+        by_scan: Option<Matrix3<f64>>,
+        frame_from_base: &Pose2,
+        surface: &Surface,
+        off_m: f64,
+    ) -> Matrix3<f64> {
+        let covariance = by_scan.unwrap_or(self.covariance);
+        let Some(shape) = &surface.shape else { return covariance };
+        let shape = shape.turned(&frame_from_base.rotation);
+        // Without what the prediction is doubted by at least, so that scans can correct it.
+        let step_m = (off_m - self.settings.tie.odometer[0]).max(STANDING_M);
+        shape.with_blind(&covariance, shape.blind_deviation_m(&self.covariance).powi(2) + step_m * step_m)
     }
 
     /// How much of the scan contradicts the key frame that the robot is seen from.

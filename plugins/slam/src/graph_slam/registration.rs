@@ -7,8 +7,9 @@
 
 use super::nearest::NearestTable;
 use super::surface::{SurfacePoint, Turn};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitComplex, Vector3};
 use rumbo_core::frames::{Pose2, pose2, wrap_angle};
+use rumbo_kit::scan_match::Observability;
 
 /// How surfaces are registered.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +38,8 @@ pub(crate) struct Expected {
     pub half_at: f64,
     /// Pairs may be so far apart at the beginning, meters.
     pub first_gate_m: f64,
+    /// What the scan tells by its own shape; along other directions no pair counts.
+    pub shape: Option<Observability>,
 }
 
 /// A scan in its place.
@@ -77,7 +80,7 @@ pub(crate) fn register(
     let start = pose;
     let mut gate_m = expected.first_gate_m.max(settings.gate_m);
     for round in 0..MOST_ROUNDS {
-        let pull = Pull::at(reference, scan, &pose, gate_m, settings);
+        let pull = Pull::at(reference, scan, &pose, gate_m, settings).told(expected, &pose);
         let mut off = pose - start;
         off.z = wrap_angle(off.z);
         let back = expected.information / (1.0 + off.dot(&(expected.information * off)) / expected.half_at);
@@ -96,7 +99,7 @@ pub(crate) fn register(
         }
         gate_m = (gate_m * 0.7).max(settings.gate_m);
     }
-    let pull = Pull::at(reference, scan, &pose, settings.gate_m, settings);
+    let pull = Pull::at(reference, scan, &pose, settings.gate_m, settings).told(expected, &pose);
     Some(Registered {
         reference_from_scan: pose2(pose.x, pose.y, pose.z),
         information: pull.hessian,
@@ -116,6 +119,14 @@ struct Pull {
 }
 
 impl Pull {
+    /// Without what pairs say along directions that the scan by its own shape cannot tell.
+    fn told(self, expected: &Expected, pose: &Vector3<f64>) -> Pull {
+        let Some(shape) = &expected.shape else { return self };
+        let shape = shape.turned(&UnitComplex::new(pose.z));
+        let (hessian, gradient) = shape.only_seen(&self.hessian, &self.gradient);
+        Pull { hessian, gradient, ..self }
+    }
+
     fn at(
         reference: &NearestTable,
         scan: &[SurfacePoint],

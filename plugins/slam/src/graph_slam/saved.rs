@@ -3,7 +3,7 @@
 use super::atlas::{Atlas, KeyFrame};
 use super::saved_look::{look, put_look};
 use super::saved_reckoned::{put_reckoned, reckoned};
-use super::surface::surface_of;
+use super::surface::Surface;
 use super::tracker::{Before, Fit, Track, Tracker, TrackerSettings};
 use crate::gyro::Gyro;
 use nalgebra::{Matrix3, Quaternion, Translation3, UnitQuaternion};
@@ -99,7 +99,7 @@ fn atlas(from: &mut Reader<'_>, settings: TrackerSettings) -> Option<Atlas> {
     for _ in 0..count(from)? {
         let pose = pose(from)?;
         let mut frame = frame(from)?;
-        frame.surface = surface_of(&frame.scan, &frame.base_from_sensor, &settings.limits);
+        frame.surface = Surface::of(&frame.scan, &frame.base_from_sensor, &settings.limits);
         atlas.add(frame, &pose, None)?;
     }
     for _ in 0..count(from)? {
@@ -256,7 +256,7 @@ fn frame(from: &mut Reader<'_>) -> Option<KeyFrame> {
     let is_turn = (rotation.coords.norm() - 1.0).abs() < 1e-6;
     let is_guessed = count(from)? != 0;
     let fits = scan.check().is_ok() && is_finite3(&base_from_sensor) && is_turn;
-    fits.then(|| KeyFrame { scan, base_from_sensor, surface: Vec::new(), is_guessed })
+    fits.then(|| KeyFrame { scan, base_from_sensor, surface: Surface::default(), is_guessed })
 }
 
 fn constraint(from: &mut Reader<'_>) -> Option<Constraint> {

@@ -2,6 +2,8 @@
 
 use rumbo_core::frames::{Pose2, Pose3};
 use rumbo_core::messages::LaserScan;
+use rumbo_kit::scan_match::{Observability, shape_of};
+use std::ops::Deref;
 
 /// A point of a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,6 +32,39 @@ impl SurfacePoint {
         let [x, y] = [sensor[0] - self.at[0], sensor[1] - self.at[1]];
         let is_away = x * self.normal[0] + y * self.normal[1] < 0.0;
         SurfacePoint { normal: if is_away { self.normal.map(|v| -v) } else { self.normal }, ..self }
+    }
+}
+
+/// What one scan shows.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Surface {
+    /// In the base frame.
+    pub points: Vec<SurfacePoint>,
+    /// What it tells by its own shape, where it does not tell all directions.
+    pub shape: Option<Observability>,
+}
+
+impl Deref for Surface {
+    type Target = [SurfacePoint];
+
+    fn deref(&self) -> &[SurfacePoint] {
+        &self.points
+    }
+}
+
+impl Surface {
+    /// Of a scan; roll and pitch of the sensor count.
+    pub fn of(scan: &LaserScan, base_from_sensor: &Pose3, limits: &SurfaceLimits) -> Surface {
+        let ranges_m = [limits.min_range_m, limits.max_range_m];
+        Surface {
+            points: surface_of(scan, base_from_sensor, limits),
+            shape: shape_of(scan, base_from_sensor, ranges_m),
+        }
+    }
+
+    /// A place to begin from other than the expected one, but along directions that the scan cannot tell: there it would stay.
+    pub fn start(&self, expected: &Pose2, start: &Pose2) -> Pose2 {
+        self.shape.map_or(*start, |shape| shape.turned(&expected.rotation).held(expected, start))
     }
 }
 

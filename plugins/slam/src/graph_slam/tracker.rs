@@ -4,7 +4,7 @@ use super::atlas::{Atlas, KeyFrame, TieSettings};
 use super::contradiction::View;
 use super::front_end::FrontEnd;
 use super::loops::{Look, LoopSearch, LoopSettings, frames_of};
-use super::surface::{SurfaceLimits, surface_of};
+use super::surface::{Surface, SurfaceLimits};
 use crate::gyro::{Gyro, Heading};
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, Pose3, lift};
@@ -179,7 +179,7 @@ impl Tracker {
             return;
         }
         self.settled.take();
-        let surface = surface_of(scan, base_from_sensor, &self.settings.limits);
+        let surface = Surface::of(scan, base_from_sensor, &self.settings.limits);
         let prediction = self.predict(stamp);
         let last = self.frame_from_base;
         self.frame_from_base = prediction.frame_from_base;

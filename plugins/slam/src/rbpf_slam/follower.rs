@@ -7,10 +7,11 @@ use super::motion::{MotionNoise, Step};
 use super::proposal::difference;
 use crate::graph_slam::nearest::NearestTable;
 use crate::graph_slam::registration::{Expected, Registered, RegistrationSettings, register};
-use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint, Turn, surface_of};
+use crate::graph_slam::surface::{Surface, SurfaceLimits, SurfacePoint, Turn};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
 use rumbo_core::messages::LaserScan;
+use rumbo_kit::scan_match::Observability;
 use std::collections::VecDeque;
 
 /// How scans are registered, and when that is believed.
@@ -32,6 +33,8 @@ pub struct FollowSettings {
     pub least_agreement: f64,
     /// Turns to each side that the odometer may not have seen, radians.
     pub unseen_turn_rad: f64,
+    /// Standard deviation of the odometer along directions that a scan cannot tell, share of the way.
+    pub blind_way: f64,
     /// Standard deviations that the answer has at least, meters and radians.
     pub floor: [f64; 2],
 }
@@ -103,8 +106,8 @@ impl Follower {
     }
 
     /// What a scan shows.
-    pub(crate) fn surface(&self, scan: &LaserScan, base_from_sensor: &Pose3) -> Vec<SurfacePoint> {
-        surface_of(scan, base_from_sensor, &self.settings.limits)
+    pub(crate) fn surface(&self, scan: &LaserScan, base_from_sensor: &Pose3) -> Surface {
+        Surface::of(scan, base_from_sensor, &self.settings.limits)
     }
 
     /// A step of the filter, from which all is seen from now on; its surface where the scan is in the maps.
@@ -132,7 +135,7 @@ impl Follower {
     /// Where a scan was seen from, expected here with this covariance; none where that cannot be believed.
     pub(crate) fn place(
         &self,
-        surface: &[SurfacePoint],
+        surface: &Surface,
         step_from_expected: &Pose2,
         step_from_last: &Pose2,
         covariance: &Matrix3<f64>,
@@ -152,7 +155,8 @@ impl Follower {
         let turned = (1..=N_HEADINGS)
             .flat_map(|k| [k, -k])
             .map(|k| step_from_expected * pose2(0.0, 0.0, unseen * f64::from(k) / f64::from(N_HEADINGS)));
-        let others = turned.chain([*step_from_last]).map(|start| self.register(surface, &start, &wide));
+        let stayed = surface.start(step_from_expected, step_from_last);
+        let others = turned.chain([stayed]).map(|start| self.register(surface, &start, &wide));
         let mut best = (expected, fit(&expected) + CLEARLY_BETTER);
         for found in others {
             if fit(&found) > best.1 {
@@ -165,7 +169,7 @@ impl Follower {
     /// A registration whose expectation pulls less the farther the scan lies from it.
     fn doubted(
         &self,
-        surface: &[SurfacePoint],
+        surface: &Surface,
         step_from_expected: &Pose2,
         covariance: &Matrix3<f64>,
     ) -> Option<Registered> {
@@ -186,7 +190,7 @@ impl Follower {
 
     fn register(
         &self,
-        surface: &[SurfacePoint],
+        surface: &Surface,
         step_from_expected: &Pose2,
         covariance: &Matrix3<f64>,
     ) -> Option<Registered> {
@@ -197,6 +201,7 @@ impl Follower {
             information: covariance.try_inverse()? / self.settings.believed_share,
             first_gate_m: (2.0 * off_m + 10.0 * off_rad).clamp(0.3, 0.5),
             half_at: f64::INFINITY,
+            shape: surface.shape,
         };
         register(&self.table, surface, &expected, &self.settings.registration)
     }
@@ -209,6 +214,7 @@ impl Follower {
         placed: Option<&Registered>,
         since_step: &Step,
         motion: &MotionNoise,
+        shape: Option<&Observability>,
     ) -> Followed {
         let by_odometer = motion.covariance(&Pose2::identity(), since_step);
         let by_odometer = by_odometer * doubt(&since_step.before_from_after, step_from_base, &by_odometer);
@@ -218,7 +224,14 @@ impl Follower {
             let known = by_odometer.try_inverse()?;
             (placed.information * self.settings.spread_share + known).try_inverse()
         });
-        let covariance = both.map_or(by_odometer, |both| both + floor);
+        let mut covariance = both.map_or(by_odometer, |both| both + floor);
+        if let Some(shape) = shape {
+            let shape = shape.turned(&step_from_base.rotation);
+            let way = &since_step.before_from_after;
+            let way_m = way.translation.vector.norm() + shape.extent_m * way.rotation.angle().abs();
+            let variance_m2 = (self.settings.blind_way * way_m).powi(2) + since_step.stray[0] + off_m * off_m;
+            covariance = shape.with_blind(&covariance, variance_m2);
+        }
         Followed {
             before_from_after: *step_from_base,
             covariance: (covariance + covariance.transpose()) * 0.5,

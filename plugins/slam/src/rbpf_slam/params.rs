@@ -28,6 +28,9 @@ pub struct RbpfSlamParams {
     pub resample_threshold: f64,
     /// Errors of the odometer, variances per square: turn by turn, turn by way (rad²/m²), way by way, way by turn (m²/rad²).
     pub alpha: [f64; 4],
+    /// Standard deviation of the odometer's way where nothing but the odometer tells it, as along bare walls without ends, share of
+    /// the way. Elsewhere `alpha` doubts it more, since there scans show when wheels slip.
+    pub blind_way: f64,
     /// Standard deviation that the odometer has in any step, meters.
     pub odometer_floor_m: f64,
     /// The same of the heading, degrees.
@@ -131,6 +134,7 @@ impl Default for RbpfSlamParams {
             temporal_update_s: -1.0,
             resample_threshold: 0.5,
             alpha: [0.25, 0.01, 1.0, 0.01],
+            blind_way: 0.1,
             odometer_floor_m: 0.05,
             odometer_floor_deg: 2.0,
             recent_scans: 6,
@@ -254,8 +258,9 @@ impl Params for RbpfSlamParams {
 }
 
 impl RbpfSlamParams {
-    fn positive(&self) -> [(&'static str, f64); 19] {
+    fn positive(&self) -> [(&'static str, f64); 20] {
         [
+            ("blind_way", self.blind_way),
             ("linear_update_m", self.linear_update_m),
             ("angular_update_deg", self.angular_update_deg),
             ("odometer_floor_m", self.odometer_floor_m),

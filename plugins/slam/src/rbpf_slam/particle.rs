@@ -62,7 +62,7 @@ pub struct Looked {
     pub status: MatchStatus,
     /// The scan belongs into the map.
     pub is_drawn: bool,
-    /// What the scan alone says of x, y, yaw.
+    /// What the scan says of x, y, yaw; what it does not see is the step's.
     pub covariance: Matrix3<f64>,
     /// The particle's step.
     pub before_from_after: Pose2,
@@ -125,10 +125,12 @@ impl Particle {
             self.map_from_base = proposal.draw(floor, rng);
             self.add_weight(proposal.ln_weight);
             let before_from_after = before.inverse() * self.map_from_base;
+            let both = || (found.covariance.try_inverse()? + prior.information).try_inverse();
+            let with_prior = if found.seen.is_complete() { None } else { both() };
             return Looked {
                 status: *status,
                 is_drawn: key.doubt < Doubt::Unproven,
-                covariance: found.covariance,
+                covariance: with_prior.unwrap_or(found.covariance),
                 before_from_after,
             };
         }

@@ -182,3 +182,30 @@ fn wheels_that_spin_in_place() {
         robot.ends_well(&last, &truth, false);
     }
 }
+
+/// Two walls whose ends nobody sees: the wheels tell the way along them, the walls that across, and it is said which is surer.
+#[test]
+fn a_corridor_without_ends() {
+    let world = LoopWorld::of(vec![[-60.0, -1.0, 60.0, -1.0], [-60.0, 1.0, 60.0, 1.0]]);
+    for (name, mut mapper) in mappers(Pose2::identity()) {
+        let mut rng = stream(10);
+        for k in 0..=80 {
+            let (time_s, truth) = (1.0 + 0.1 * f64::from(k), pose2(0.1 * f64::from(k), 0.0, 0.0));
+            let odometry = Odometry { odom_from_base: truth, ..Odometry::default() };
+            let seen = [
+                observation(0, time_s, Data::Odometry(odometry)),
+                laser(time_s, world.scan(&truth, &mut rng)),
+            ];
+            let estimate = mapper.see(&seen);
+            assert_eq!(estimate.status, Status::Tracking, "{name}: {k}");
+            let off = truth.inverse() * estimate.pose2();
+            let covariance = estimate.covariance2();
+            let along_m = 3.0 * covariance[(0, 0)].sqrt();
+            assert!(off.translation.x.abs() <= along_m.max(0.05), "{name}: {k} {off} of {along_m}");
+            assert!(along_m < 1.0 && off.translation.y.abs() < 0.1, "{name}: {k} {off} of {along_m}");
+            assert!(k < 20 || covariance[(0, 0)] > 4.0 * covariance[(1, 1)], "{name}: {k} {covariance}");
+        }
+        let grid = mapper.map.grid.as_ref().unwrap();
+        assert!(grid.cells.iter().filter(|cell| **cell > 1.0).count() > 200, "{name}: the walls are mapped");
+    }
+}

@@ -6,7 +6,7 @@ use crate::graph_slam::atlas::{Atlas, KeyFrame};
 use crate::graph_slam::contradiction::{View, denied_share};
 use crate::graph_slam::nearest::NearestTable;
 use crate::graph_slam::registration::{Expected, RegistrationSettings, register};
-use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint, surface_of};
+use crate::graph_slam::surface::{Surface, SurfaceLimits, SurfacePoint, surface_of};
 use nalgebra::{Matrix3, Vector3};
 use rand_distr::{Distribution, StandardNormal};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
@@ -28,7 +28,7 @@ fn table(scan: &LaserScan) -> NearestTable {
 }
 
 fn expected(reference_from_scan: Pose2) -> Expected {
-    Expected { reference_from_scan, information: Matrix3::zeros(), half_at: 1.0, first_gate_m: 0.5 }
+    Expected { reference_from_scan, information: Matrix3::zeros(), half_at: 1.0, first_gate_m: 0.5, shape: None }
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn scans_deny_each_other_where_they_are_said_to_be_from_another_place() {
     for k in 0..12 {
         let (first, moved) = (pose2(3.0 + 0.5 * k as f64, 1.5, 0.2), pose2(0.2, -0.1, 0.15));
         let scans = [scan(&walls, &first, k), scan(&walls, &(first * moved), k + 50)];
-        let surfaces = [surface(&scans[0]), surface(&scans[1])];
+        let surfaces = [0, 1].map(|idx: usize| Surface { points: surface(&scans[idx]), shape: None });
         let mount = Pose3::identity();
         let view = |idx: usize| View { scan: &scans[idx], base_from_sensor: &mount, surface: &surfaces[idx] };
         let here = denied_share(&view(0), &view(1), &moved);
@@ -179,7 +179,7 @@ fn blind_frame() -> KeyFrame {
     KeyFrame {
         scan: LaserScan::default(),
         base_from_sensor: Pose3::identity(),
-        surface: Vec::new(),
+        surface: Surface::default(),
         is_guessed: false,
     }
 }

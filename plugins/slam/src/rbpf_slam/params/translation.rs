@@ -104,6 +104,7 @@ impl RbpfSlamParams {
             least_overlap: self.least_overlap,
             least_agreement: self.least_agreement,
             unseen_turn_rad: self.unseen_turn_deg.to_radians(),
+            blind_way: self.blind_way,
             floor: [self.step_floor_m, self.step_floor_deg.to_radians()],
         }
     }

@@ -3,7 +3,7 @@
 use super::Tracker;
 use super::estimate::SCANLESS_S;
 use crate::graph_slam::registration::Registered;
-use crate::graph_slam::surface::SurfacePoint;
+use crate::graph_slam::surface::Surface;
 use crate::rbpf_slam::filter::Outcome;
 use crate::rbpf_slam::follower::is_degenerate;
 use crate::rbpf_slam::motion::Step;
@@ -54,7 +54,7 @@ impl Tracker {
     }
 
     /// The robot's step as the odometer has it, and then as the last scans have it.
-    fn follow(&mut self, surface: &[SurfacePoint], step: &Step) -> Option<Registered> {
+    fn follow(&mut self, surface: &Surface, step: &Step) -> Option<Registered> {
         let motion = &self.settings.motion;
         let covariance = motion.covariance(&self.step_from_base, step);
         let expected = self.step_from_base * step.before_from_after;
@@ -98,14 +98,15 @@ impl Tracker {
         &mut self,
         observation: &Observation,
         scan: &LaserScan,
-        surface: Vec<SurfacePoint>,
+        surface: Surface,
         placed: Option<&Registered>,
     ) {
         let (was_lost, doubt) = (self.is_lost(), self.doubt(placed));
         let may_draw = doubt < Doubt::Unproven;
         let is_near = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
         let (placed_step, since_step) = (&self.step_from_base, &self.since_step);
-        let followed = self.follower.followed(placed_step, placed, since_step, &self.settings.motion);
+        let (motion, shape) = (&self.settings.motion, surface.shape.as_ref());
+        let followed = self.follower.followed(placed_step, placed, since_step, motion, shape);
         let key = KeyScan {
             scan,
             base_from_sensor: observation.base_from_sensor,
@@ -125,7 +126,7 @@ impl Tracker {
         }
         self.prove(was_lost, is_matched, self.step_from_base.translation.vector.norm());
         self.archive.push(scan, &observation.base_from_sensor, is_drawn, &followed);
-        self.follower.step(&self.step_from_base, is_seen.then_some(surface));
+        self.follower.step(&self.step_from_base, is_seen.then_some(surface.points));
         self.diary.step(observation.stamp, &self.step_from_base);
         if is_drawn {
             self.look_for_loops();

@@ -1,0 +1,146 @@
+//! Which way a scan cannot tell by its own shape, whatever the map it is laid on: along the walls of a bare corridor, around the
+//! middle of a round room.
+//!
+//! The cells of a map do not show that: beams that graze a wall hit it farther apart than cells are wide, so that the wall is
+//! drawn as a row of dots, and the noise of near walls makes cells of different strength. Both look like evidence along the wall.
+//! So the scan itself is asked: each point tells the way across the straight line through its neighbors, and nothing along it
+//! (Censi, *On achievable accuracy for range-finder localization*, ICRA 2007, for surfaces); a point on no straight line tells
+//! both. The directions come from the sum of what all points tell, by the rule for degenerate directions of Zhang, Kaess, Singh
+//! (ICRA 2016), less what noise in the lines pretends.
+
+use super::linearized::Linearized;
+use super::observability::{Observability, ObservabilitySettings};
+use super::points::ScanPoints;
+use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2};
+
+/// Neighbors on each side that are this near are looked at, meters, ...
+const REACH_M: f64 = 0.25;
+/// ... and so many however far they are: where beams graze a wall.
+const LEAST_EACH_SIDE: usize = 3;
+/// Lines lie this often farther from their points than those of most of the scan do, in deviations, before they are bent.
+const STRAIGHT_DEVIATIONS: f64 = 2.0;
+/// Deviations of points from their line that are believed of a laser or a camera, meters.
+const NOISE_M: [f64; 2] = [0.005, 0.05];
+/// Fewer points than this that tell a direction are none; noise bends a line now and then.
+const LEAST_POINTS: f64 = 3.0;
+/// Evidence that is no more than so many times what noise pretends is none.
+const PRETENDED_TIMES: f64 = 3.0;
+/// The end of a wall counts as so many points that tell the way along it.
+const END_POINTS: f64 = 5.0;
+
+/// The line through a point's neighbors.
+#[derive(Debug, Clone, Copy)]
+struct Fit {
+    /// The projection on its normal.
+    across: Matrix2<f64>,
+    mean_square_m2: f64,
+    /// Variance of the normal's direction.
+    normal_rad2: f64,
+}
+
+/// Takes apart what the points (in order of bearing) tell; nothing where they tell every direction. `ends_wall` says of a point
+/// and the normal's projection at it whether the surface could be seen farther on and is not there.
+pub(super) fn blind_directions(
+    points: &ScanPoints,
+    ends_wall: impl Fn(usize, &Matrix2<f64>) -> bool,
+) -> Option<Observability> {
+    let sums = running_sums(points);
+    let windows = windows(points);
+    let around: Vec<Option<Fit>> = windows.iter().map(|[first, end]| fit(&sums, *first, *end)).collect();
+    let straight_m2 = STRAIGHT_DEVIATIONS.powi(2) * noise_m2(&around)?;
+    let is_straight = |fit: &Fit| fit.mean_square_m2 <= straight_m2;
+    let (mut told, mut pretended) = (Matrix3::zeros(), Matrix3::zeros());
+    for (idx, ([x, y, _], ([first, end], around))) in points.iter().zip(windows.iter().zip(around)).enumerate() {
+        let arm = Matrix2x3::new(1.0, 0.0, -f64::from(y), 0.0, 1.0, f64::from(x));
+        let side = || {
+            let sides = [fit(&sums, *first, idx + 1), fit(&sums, idx, *end)].into_iter().flatten();
+            sides.min_by(|one, other| one.mean_square_m2.total_cmp(&other.mean_square_m2)).filter(is_straight)
+        };
+        let Some(line) = around.filter(is_straight).or_else(side) else {
+            told += arm.transpose() * arm * 0.5;
+            continue;
+        };
+        let along = Matrix2::identity() - line.across;
+        let end = if ends_wall(idx, &line.across) { END_POINTS } else { 0.0 };
+        told += arm.transpose() * (line.across + along * end) * arm;
+        pretended += arm.transpose() * along * arm * line.normal_rad2;
+    }
+    let rule = ObservabilitySettings {
+        floor_per_m2: LEAST_POINTS / points.len() as f64,
+        ..ObservabilitySettings::default()
+    };
+    let weight = points.len() as f64;
+    let evidence = Linearized { hessian: told, weight, ..Linearized::default() };
+    let extent_m = points.extent_m();
+    // Most scans tell everything, and that is told at once.
+    let sure = ObservabilitySettings { floor_per_m2: 2.0 * rule.floor_per_m2, ratio: 0.01 };
+    Observability::unless_complete(&evidence, extent_m, &sure)?;
+    let mut shape = Observability::of(&evidence, extent_m, &rule);
+    let noise = Observability { evidence: shape.evidence_of(&pretended), ..shape };
+    for ((seen, evidence), pretended) in shape.seen.iter_mut().zip(&shape.evidence).zip(&noise.evidence) {
+        *seen &= *evidence > PRETENDED_TIMES * pretended;
+    }
+    (!shape.is_complete() && !shape.is_empty()).then_some(shape)
+}
+
+/// The median square of how far points lie from their line, where there are enough points to tell.
+fn noise_m2(fits: &[Option<Fit>]) -> Option<f64> {
+    let mut squares: Vec<f64> = fits.iter().flatten().map(|fit| fit.mean_square_m2).collect();
+    if squares.is_empty() {
+        return None;
+    }
+    let middle = squares.len() / 2;
+    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
+    Some(median.clamp(NOISE_M[0].powi(2), NOISE_M[1].powi(2)))
+}
+
+/// Sums of x, y, x², xy, y² over the points before each.
+fn running_sums(points: &ScanPoints) -> Vec<[f64; 5]> {
+    let mut sum = [0.0; 5];
+    let mut sums = Vec::with_capacity(points.len() + 1);
+    sums.push(sum);
+    for [x, y, _] in points.iter() {
+        let [x, y] = [x, y].map(f64::from);
+        sum.iter_mut().zip([x, y, x * x, x * y, y * y]).for_each(|(sum, more)| *sum += more);
+        sums.push(sum);
+    }
+    sums
+}
+
+/// The points that are looked at around each: the first, and the one after the last.
+fn windows(points: &ScanPoints) -> Vec<[usize; 2]> {
+    let at = |idx: usize| Some(Vector2::new(*points.x().get(idx)?, *points.y().get(idx)?));
+    let is_near = |one: usize, other: usize| {
+        let apart = at(one).zip(at(other)).map(|(one, other)| (one - other).norm_squared());
+        apart.is_some_and(|m2| f64::from(m2) <= REACH_M * REACH_M)
+    };
+    let (mut first, mut last) = (0, 0);
+    let window = |idx: usize| {
+        while idx > first + LEAST_EACH_SIDE && !is_near(first, idx) {
+            first += 1;
+        }
+        last = idx.max(last);
+        while last + 1 < points.len() && (last < idx + LEAST_EACH_SIDE || is_near(last + 1, idx)) {
+            last += 1;
+        }
+        [first, last + 1]
+    };
+    (0..points.len()).map(window).collect()
+}
+
+/// The line through a run of points by orthogonal least squares; none through fewer than four, or without a direction.
+fn fit(sums: &[[f64; 5]], first: usize, end: usize) -> Option<Fit> {
+    let n_points = end.checked_sub(first).filter(|n| *n > LEAST_EACH_SIDE)?;
+    let (before, after) = (sums.get(first)?, sums.get(end)?);
+    let n = n_points as f64;
+    let [x, y, xx, xy, yy] = std::array::from_fn(|k| (after[k] - before[k]) / n);
+    let (xx, xy, yy) = (xx - x * x, xy - x * y, yy - y * y);
+    let spread = (xx - yy).hypot(2.0 * xy);
+    let (along_m2, across_m2) = (0.5 * (xx + yy + spread), (0.5 * (xx + yy - spread)).max(0.0));
+    if !(spread > 1e-9 && spread.is_finite()) {
+        return None;
+    }
+    let across = (Matrix2::identity() * along_m2 - Matrix2::new(xx, xy, xy, yy)) / spread;
+    let mean_square_m2 = across_m2 * n / (n - 2.0);
+    Some(Fit { across, mean_square_m2, normal_rad2: mean_square_m2 / (n * along_m2) })
+}

@@ -1,0 +1,129 @@
+//! What a scan tells by its own shape, against places of which that is known.
+
+use super::*;
+use crate::scan_odometry::tests::{Wall, corridor, seen};
+use rumbo_core::frames::Pose3;
+use rumbo_core::messages::LaserScan;
+use rumbo_core::rng;
+
+const RANGES_M: [f64; 2] = [0.1, 40.0];
+
+fn shape(scan: &LaserScan) -> Option<Observability> {
+    shape_of(scan, &Pose3::identity(), RANGES_M)
+}
+
+/// Of twenty scans from here, so many do not tell all directions.
+fn n_blind(walls: &[Wall], at: &Pose2, n_beams: usize, noise_m: f64) -> usize {
+    let is_blind =
+        |seed: &u64| shape(&seen(walls, at, n_beams, noise_m, &mut rng::stream(*seed, "shapes"))).is_some();
+    (0..20).filter(is_blind).count()
+}
+
+/// With a face across it of this width, at its left wall.
+fn with_jamb(depth_m: f64) -> Vec<Wall> {
+    let mut walls = corridor();
+    walls.push([[4.0, 1.2 - depth_m], [4.0, 1.2]]);
+    walls
+}
+
+#[test]
+fn a_corridor_without_ends_does_not_tell_the_way_along_it_whatever_the_noise_and_the_heading() {
+    for (n_beams, noise_m) in [(181, 0.0), (361, 0.005), (361, 0.03), (1081, 0.01), (1081, 0.03)] {
+        for (seed, yaw_rad) in [0.0, 0.3, -0.8, 1.4, 3.0].into_iter().enumerate() {
+            let mut rng = rng::stream(seed as u64, "shapes");
+            let scan = seen(&corridor(), &pose2(3.0, 0.2, yaw_rad), n_beams, noise_m, &mut rng);
+            let shape = shape(&scan).unwrap_or_else(|| panic!("{n_beams} {noise_m} {yaw_rad}"));
+            assert_eq!(shape.seen, [false, true, true], "{n_beams} {noise_m} {yaw_rad}: {shape:?}");
+            // Seen from the base, the corridor lies the other way round.
+            let blind = shape.directions.column(0);
+            let along = blind[0] * yaw_rad.cos() - blind[1] * yaw_rad.sin();
+            assert!(along.abs() > 0.999, "{n_beams} {noise_m} {yaw_rad}: {blind}");
+        }
+    }
+}
+
+#[test]
+fn what_lies_across_a_corridor_tells_the_way() {
+    let at = pose2(0.0, 0.1, 0.2);
+    let mut ended = corridor();
+    ended.push([[9.0, -1.2], [9.0, 1.2]]);
+    for noise_m in [0.005, 0.01, 0.03] {
+        assert_eq!(n_blind(&ended, &at, 361, noise_m), 0, "an end, {noise_m}");
+        assert_eq!(n_blind(&with_jamb(0.5), &at, 361, noise_m), 0, "a cupboard, {noise_m}");
+        assert_eq!(n_blind(&corridor(), &at, 361, noise_m), 20, "bare, {noise_m}");
+    }
+    // Some points on it are enough, and what is no deeper than the noise tells nothing.
+    assert_eq!(n_blind(&with_jamb(0.2), &at, 361, 0.005), 0);
+    assert_eq!(n_blind(&with_jamb(0.01), &at, 361, 0.03), 20);
+}
+
+#[test]
+fn the_end_of_a_wall_tells_the_way_and_the_end_of_the_range_does_not() {
+    let at = pose2(0.0, 0.0, 0.0);
+    let wall = |ends_at: f64| vec![[[-200.0, 1.5], [ends_at, 1.5]]];
+    assert_eq!(n_blind(&wall(200.0), &at, 361, 0.01), 20);
+    assert_eq!(n_blind(&wall(4.0), &at, 361, 0.01), 0, "nothing behind");
+    let mut before_another = wall(4.0);
+    before_another.push([[-200.0, 4.0], [200.0, 4.0]]);
+    assert_eq!(n_blind(&before_another, &at, 361, 0.01), 0, "a wall behind");
+}
+
+#[test]
+fn a_beam_that_is_lost_now_and_then_ends_no_wall() {
+    let mut scan = seen(&corridor(), &pose2(0.0, 0.2, 0.1), 361, 0.01, &mut rng::stream(1, "shapes"));
+    for (idx, range_m) in scan.ranges_m.make_mut().iter_mut().enumerate() {
+        if idx % 11 == 3 || idx % 37 == 5 {
+            *range_m = f32::NAN;
+        }
+    }
+    assert_eq!(shape(&scan).unwrap().seen, [false, true, true]);
+}
+
+#[test]
+fn around_the_middle_of_a_round_room_the_turn_is_not_told() {
+    let at = |k: f64| [5.0 * k.to_radians().cos(), 5.0 * k.to_radians().sin()];
+    let walls: Vec<Wall> = (0..360).map(|k| [at(f64::from(k)), at(f64::from(k + 1))]).collect();
+    for noise_m in [0.0, 0.01, 0.03] {
+        let scan = seen(&walls, &pose2(0.6, -0.4, 0.5), 1081, noise_m, &mut rng::stream(3, "shapes"));
+        let shape = shape(&scan).unwrap();
+        assert_eq!(shape.seen, [false, true, true], "{noise_m}: {shape:?}");
+        // A turn around the middle of the room keeps it in its place: the way of the base for a turn of one radian.
+        let blind = shape.directions.column(0);
+        let turn = blind[2] / shape.extent_m;
+        let base_from_middle = pose2(0.6, -0.4, 0.5).inverse().translation.vector;
+        let way = [blind[0] / turn, blind[1] / turn];
+        assert!((way[0] - base_from_middle.y).abs() < 0.1, "{noise_m}: {way:?} {base_from_middle}");
+        assert!((way[1] + base_from_middle.x).abs() < 0.1, "{noise_m}: {way:?} {base_from_middle}");
+    }
+}
+
+#[test]
+fn scans_without_lines_or_points_tell_all_that_they_tell() {
+    assert_eq!(shape(&LaserScan::default()), None);
+    let open = LaserScan {
+        ranges_m: vec![f32::INFINITY; 361].into(),
+        ..seen(&[], &pose2(0.0, 0.0, 0.0), 361, 0.0, &mut rng::stream(0, "shapes"))
+    };
+    assert_eq!(shape(&open), None);
+    let mut few = open.clone();
+    few.ranges_m.make_mut()[100..103].fill(2.0);
+    assert_eq!(shape(&few), None);
+}
+
+#[test]
+fn a_match_in_a_bare_corridor_keeps_the_priors_way_along_it() {
+    let at = pose2(0.0, 0.2, 0.0);
+    let scan = seen(&corridor(), &at, 361, 0.01, &mut rng::stream(2, "shapes"));
+    let mut scene = Scene::corridor(0.05);
+    ScanPreparation { min_range_m: 0.1, ..ScanPreparation::default() }.prepare(
+        &scan,
+        &Pose3::identity(),
+        &mut scene.points,
+    );
+    assert!(scene.points.shape().is_some());
+    let start = pose2(0.07, 0.12, 0.02);
+    let found = match_scan(&[scene.level()], &scene.points, &start, None, &MatchSettings::default()).unwrap();
+    assert_eq!(found.seen.seen, [false, true, true]);
+    assert!((found.map_from_base.translation.x - 0.07).abs() < 1e-3, "{}", found.map_from_base);
+    assert!(found.covariance[(0, 0)].sqrt() > 0.9 && found.covariance[(1, 1)].sqrt() < 0.05);
+}
