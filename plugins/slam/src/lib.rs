@@ -7,3 +7,4 @@ mod gyro;
 pub mod rbpf_slam;
 pub mod scan_match_slam;
 mod turning;
+mod unseen;

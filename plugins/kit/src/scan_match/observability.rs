@@ -141,11 +141,7 @@ impl Observability {
 
     /// The same of other evidence, which these directions need not take apart: `D^-1 P D H D P D^-1` and `D^-1 P D b`, where P
     /// projects on what is seen.
-    pub fn only_seen(
-        &self,
-        hessian: &Matrix3<f64>,
-        descent: &Vector3<f64>,
-    ) -> (Matrix3<f64>, Vector3<f64>) {
+    pub fn only_seen(&self, hessian: &Matrix3<f64>, descent: &Vector3<f64>) -> (Matrix3<f64>, Vector3<f64>) {
         if self.is_complete() {
             return (*hessian, *descent);
         }

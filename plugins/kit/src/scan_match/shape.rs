@@ -22,7 +22,7 @@ const STRAIGHT_DEVIATIONS: f64 = 2.0;
 /// Deviations of points from their line that are believed of a laser or a camera, meters.
 const NOISE_M: [f64; 2] = [0.005, 0.05];
 /// Fewer points than this that tell a direction are none; noise bends a line now and then.
-const LEAST_POINTS: f64 = 3.0;
+const LEAST_POINTS: f64 = 1.0;
 /// Evidence that is no more than so many times what noise pretends is none.
 const PRETENDED_TIMES: f64 = 3.0;
 /// The end of a wall counts as so many points that tell the way along it.
@@ -50,7 +50,9 @@ pub(super) fn blind_directions(
     let straight_m2 = STRAIGHT_DEVIATIONS.powi(2) * noise_m2(&around)?;
     let is_straight = |fit: &Fit| fit.mean_square_m2 <= straight_m2;
     let (mut told, mut pretended) = (Matrix3::zeros(), Matrix3::zeros());
-    for (idx, ([x, y, _], ([first, end], around))) in points.iter().zip(windows.iter().zip(around)).enumerate() {
+    for (idx, ([x, y, _], ([first, end], around))) in
+        points.iter().zip(windows.iter().zip(around)).enumerate()
+    {
         let arm = Matrix2x3::new(1.0, 0.0, -f64::from(y), 0.0, 1.0, f64::from(x));
         let side = || {
             let sides = [fit(&sums, *first, idx + 1), fit(&sums, idx, *end)].into_iter().flatten();

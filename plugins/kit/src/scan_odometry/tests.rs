@@ -51,7 +51,13 @@ fn range_to(wall: &Wall, [x, y]: [f64; 2], bearing_rad: f64) -> Option<f64> {
 }
 
 /// What a scanner in the middle of the base sees from a pose, with noise of this deviation, meters.
-pub(crate) fn seen(walls: &[Wall], at: &Pose2, n_beams: usize, noise_m: f64, rng: &mut Xoshiro256PlusPlus) -> LaserScan {
+pub(crate) fn seen(
+    walls: &[Wall],
+    at: &Pose2,
+    n_beams: usize,
+    noise_m: f64,
+    rng: &mut Xoshiro256PlusPlus,
+) -> LaserScan {
     let opening_rad = if n_beams > 600 { 270f64 } else { 180.0 }.to_radians();
     let (first_rad, step_rad) = (-opening_rad / 2.0, opening_rad / (n_beams - 1) as f64);
     let noise = Normal::new(0.0, noise_m).unwrap();

@@ -3,8 +3,10 @@
 use super::contradiction::{View, denied_share};
 use super::front_end::{Prediction, SURE_FIT};
 use super::point_table::thinned;
+use super::predicting::GUESS_M_S;
 use super::surface::Surface;
 use super::tracker::{Fit, Tracker};
+use crate::unseen::{Told, kept};
 use nalgebra::Matrix3;
 use rumbo_core::frames::Pose2;
 
@@ -106,8 +108,13 @@ impl Tracker {
         let Some(shape) = &surface.shape else { return covariance };
         let shape = shape.turned(&frame_from_base.rotation);
         // Without what the prediction is doubted by at least, so that scans can correct it.
-        let step_m = (off_m - self.settings.tie.odometer[0]).max(STANDING_M);
-        shape.with_blind(&covariance, shape.blind_deviation_m(&self.covariance).powi(2) + step_m * step_m)
+        let step_m = off_m - self.settings.tie.odometer[0];
+        let told = if self.odometry.newest().is_some() {
+            Told::ByWheels { deviation_m: step_m.max(STANDING_M) }
+        } else {
+            Told::ByNobody { seconds: step_m / GUESS_M_S }
+        };
+        kept(&shape, &covariance, &self.covariance, told)
     }
 
     /// How much of the scan contradicts the key frame that the robot is seen from.
@@ -153,6 +160,8 @@ impl Tracker {
         let here = Prediction::around(self.frame_from_base);
         let Some(found) = self.front.place(&self.atlas, view.surface, &here) else { return false };
         self.frame_from_base = found.reference_from_scan;
+        let information = found.information * self.settings.tie.believed_share;
+        self.covariance = information.try_inverse().unwrap_or(self.covariance);
         found.fit() >= SURE_FIT && self.denied_share(view) <= HARDLY_DENIED
     }
 }

@@ -4,6 +4,7 @@ use super::params::GraphSlamParams;
 use super::saved;
 use super::sheet::{Sheet, SheetSettings};
 use super::tracker::{BLIND_AFTER_S, Fit, Tracker, TrackerSettings};
+use crate::unseen::is_unsure;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Point2, Pose2, is_finite3};
 use rumbo_core::map::{Layer, Map};
@@ -99,7 +100,7 @@ impl GraphSlam {
         let stamp = if is_blind && newest.is_none() { now } else { stamp };
         let mut estimate = Estimate::planar(stamp, pose, odom_from_base, covariance);
         estimate.status = match tracker.fit {
-            Fit::Placed if !tracker.is_adrift && !is_blind => Status::Tracking,
+            Fit::Placed if !tracker.is_adrift && !is_blind && !is_unsure(&covariance) => Status::Tracking,
             Fit::Placed => Status::Converging,
             Fit::Guessed => Status::Converging,
             Fit::Lost => Status::Lost,

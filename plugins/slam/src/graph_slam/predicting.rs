@@ -10,7 +10,7 @@ use rumbo_core::time::Time;
 /// Dead reckoning that may be farther off has nothing to be registered on, meters.
 const MOST_OFF_M: f64 = 0.5;
 /// Errors of a guess without an odometer, shares of the gap between two scans.
-const GUESS_M_S: f64 = 1.0;
+pub(super) const GUESS_M_S: f64 = 1.0;
 const GUESS_RAD_S: f64 = 1.0;
 
 impl Tracker {

@@ -3,6 +3,7 @@
 use super::params::ScanMatchSlamParams;
 use super::saved;
 use super::tracker::{ScanTracker, Tracked};
+use crate::unseen::is_unsure;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, lift};
 use rumbo_core::map::{GridFault, Layer, Map};
@@ -48,7 +49,7 @@ impl ScanMatchSlam {
         let is_blind = stamp > state.stamp;
         estimate.status = if self.tracker.is_lost() {
             Status::Lost
-        } else if self.tracker.n_without_match > 0 || is_blind {
+        } else if self.tracker.n_without_match > 0 || is_blind || is_unsure(&covariance) {
             Status::Converging
         } else {
             Status::Tracking

@@ -4,6 +4,7 @@ use super::locating::{Located, Look};
 use super::motion::Motion;
 use super::place_search::PlaceSearch;
 use super::settings::{Counters, TrackerSettings};
+use crate::unseen::{Told, kept};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::Pose2;
 use rumbo_core::map::{Grid, GridFault, Map};
@@ -239,7 +240,16 @@ impl ScanTracker {
             self.motion.begin(predicted.stamp, &found.map_from_base);
             Tracked { map_from_base: found.map_from_base, covariance: found.covariance, ..predicted }
         } else {
-            let covariance = fused(&predicted.covariance, &found.covariance);
+            let told = if self.is_by_odometer {
+                // The prediction has it in it.
+                Told::ByWheels { deviation_m: 0.0 }
+            } else {
+                Told::ByNobody {
+                    seconds: self.state.map_or(0.0, |state| (predicted.stamp - state.stamp).as_secs()),
+                }
+            };
+            let together = fused(&predicted.covariance, &found.covariance);
+            let covariance = kept(&found.seen, &together, &predicted.covariance, told);
             Tracked { map_from_base: found.map_from_base, covariance, ..predicted }
         };
         self.n_without_match = 0;

@@ -53,7 +53,7 @@ fn what_lies_across_a_corridor_tells_the_way() {
         assert_eq!(n_blind(&corridor(), &at, 361, noise_m), 20, "bare, {noise_m}");
     }
     // Some points on it are enough, and what is no deeper than the noise tells nothing.
-    assert_eq!(n_blind(&with_jamb(0.2), &at, 361, 0.005), 0);
+    assert_eq!(n_blind(&with_jamb(0.3), &at, 361, 0.005), 0);
     assert_eq!(n_blind(&with_jamb(0.01), &at, 361, 0.03), 20);
 }
 

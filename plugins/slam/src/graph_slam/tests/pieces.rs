@@ -28,7 +28,13 @@ fn table(scan: &LaserScan) -> NearestTable {
 }
 
 fn expected(reference_from_scan: Pose2) -> Expected {
-    Expected { reference_from_scan, information: Matrix3::zeros(), half_at: 1.0, first_gate_m: 0.5, shape: None }
+    Expected {
+        reference_from_scan,
+        information: Matrix3::zeros(),
+        half_at: 1.0,
+        first_gate_m: 0.5,
+        shape: None,
+    }
 }
 
 #[test]

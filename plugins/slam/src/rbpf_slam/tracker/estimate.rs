@@ -4,6 +4,7 @@ use super::Tracker;
 use super::odometer::unmeasured;
 use crate::rbpf_slam::motion::Step;
 use crate::rbpf_slam::proposal::difference;
+use crate::unseen::is_unsure;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use rumbo_core::frames::Pose2;
 use rumbo_core::messages::{Estimate, Status};
@@ -40,7 +41,7 @@ impl Tracker {
         let mut estimate = Estimate::planar(stamp, map_from_base, odom_from_base, covariance);
         estimate.status = if self.is_lost() {
             Status::Lost
-        } else if self.n_unmatched > 0 || self.is_on_trial() || is_old {
+        } else if self.n_unmatched > 0 || self.is_on_trial() || is_old || is_unsure(&covariance) {
             Status::Converging
         } else {
             Status::Tracking

@@ -8,9 +8,12 @@ use crate::rbpf_slam::filter::Outcome;
 use crate::rbpf_slam::follower::is_degenerate;
 use crate::rbpf_slam::motion::Step;
 use crate::rbpf_slam::particle::{Doubt, KeyScan};
+use crate::unseen::{Told, kept};
+use nalgebra::Matrix3;
 use rumbo_core::frames::Pose2;
 use rumbo_core::messages::{LaserScan, Observation};
 use rumbo_core::time::Time;
+use rumbo_kit::scan_match::Observability;
 
 /// Of scans in a row that fit nowhere every so many is matched by all particles.
 const LOOK_EVERY: u32 = 5;
@@ -26,6 +29,7 @@ impl Tracker {
         let surface = self.follower.surface(scan, &observation.base_from_sensor);
         let placed = self.follow(&surface, &step);
         let moved = before.inverse() * self.step_from_base;
+        let (known, shape) = (self.covariance, surface.shape);
         self.way_unmatched_m += moved.translation.vector.norm();
         let is_due = self.is_due(stamp, placed.is_some());
         if is_due {
@@ -34,11 +38,23 @@ impl Tracker {
             self.found(placed.is_some());
             self.diary.note(stamp, &self.step_from_base);
         }
+        if let Some(shape) = shape.filter(|_| self.odometer.at_scan.is_none()) {
+            self.keep_unseen(&shape, &known, stamp);
+        }
         if let Some(last) = self.stamp {
             self.odometer.learn_velocity(&moved, (stamp - last).as_secs());
         }
         self.stamp = Some(stamp);
         is_due
+    }
+
+    /// Without wheels nobody knows the way that the scan does not show.
+    fn keep_unseen(&mut self, shape: &Observability, known: &Matrix3<f64>, stamp: Time) {
+        let start_from_scan =
+            self.filter.best().map_or(self.step_from_base, |best| best.map_from_base * self.step_from_base);
+        let seconds = self.stamp.map_or(0.0, |last| (stamp - last).as_secs());
+        let seen = shape.turned(&start_from_scan.rotation);
+        self.covariance = kept(&seen, &self.covariance, known, Told::ByNobody { seconds });
     }
 
     /// The step from the last scan. A robot that for long neither saw nor counted wheels may be anywhere.

@@ -1,0 +1,42 @@
+//! What grows while scans do not show which way the robot goes, as between bare walls.
+
+use nalgebra::Matrix3;
+use rumbo_kit::scan_match::Observability;
+
+/// A robot whose motion nobody sees may be so much slower or faster than it is thought to be, m/s.
+const UNSEEN_M_S: f64 = 0.5;
+/// Who knows its place no better than this along some direction (standard deviation) is not sure of it, meters.
+const SURE_M: f64 = 0.5;
+
+/// Who knows the way that scans did not show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Told {
+    /// Wheels, this well: errors of measurements add up as squares.
+    ByWheels { deviation_m: f64 },
+    /// Nobody for so long: what a velocity is off by it is off by in the next step, too.
+    ByNobody { seconds: f64 },
+}
+
+/// A covariance of x, y, yaw after a scan: along directions that it did not show what it was before, and more.
+pub(crate) fn kept(
+    seen: &Observability,
+    by_scan: &Matrix3<f64>,
+    before: &Matrix3<f64>,
+    told: Told,
+) -> Matrix3<f64> {
+    if seen.is_complete() {
+        return *by_scan;
+    }
+    let known_m = seen.blind_deviation_m(before);
+    let deviation_m = match told {
+        Told::ByWheels { deviation_m } => known_m.hypot(deviation_m),
+        Told::ByNobody { seconds } => known_m + UNSEEN_M_S * seconds,
+    };
+    seen.with_blind(by_scan, deviation_m * deviation_m)
+}
+
+/// The place is not known well enough to say that the robot is tracked.
+pub(crate) fn is_unsure(covariance: &Matrix3<f64>) -> bool {
+    let place = covariance.fixed_view::<2, 2>(0, 0).into_owned();
+    place.symmetric_eigenvalues().max() > SURE_M * SURE_M
+}
