@@ -3,6 +3,7 @@
 
 mod layers;
 mod lengths;
+mod names;
 mod words;
 
 use std::path::{Path, PathBuf};

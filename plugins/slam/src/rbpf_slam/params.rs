@@ -134,7 +134,7 @@ impl Default for RbpfSlamParams {
             temporal_update_s: -1.0,
             resample_threshold: 0.5,
             alpha: [0.25, 0.01, 1.0, 0.01],
-            blind_way: 0.1,
+            blind_way: 0.15,
             odometer_floor_m: 0.05,
             odometer_floor_deg: 2.0,
             recent_scans: 6,

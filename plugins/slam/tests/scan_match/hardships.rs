@@ -219,7 +219,7 @@ fn a_corridor_without_ends_is_kept_by_wheels() {
             off.translation.x.abs() < (3.0 * deviation_m).max(0.01),
             "{name}: {k} {off}, {deviation_m} m"
         );
-        assert!(off.translation.x.abs() < 0.4 && deviation_m < 0.3, "{name}: {k} {off}, {deviation_m} m");
+        assert!(off.translation.x.abs() < 0.5 && deviation_m < 0.4, "{name}: {k} {off}, {deviation_m} m");
         assert!(k < 20 || covariance[(0, 0)] > 4.0 * covariance[(1, 1)], "{name}: {k} {covariance}");
     });
     for (name, mapper) in driven {
