@@ -56,6 +56,7 @@ pub fn off_m(estimate: &Pose2, truth: &Pose2) -> f64 {
     (truth.inverse() * estimate).translation.vector.norm()
 }
 
+#[derive(Clone, Copy)]
 pub struct Course {
     pub speed_m_s: f64,
     pub rate_hz: f64,
