@@ -30,9 +30,9 @@ pub(crate) fn kept(
     let known_m = seen.blind_deviation_m(before);
     let deviation_m = match told {
         Told::ByWheels { deviation_m } => known_m.hypot(deviation_m),
-        Told::ByNobody { seconds } => known_m + UNSEEN_M_S * seconds,
+        Told::ByNobody { seconds } => known_m + UNSEEN_M_S * seconds.max(0.0),
     };
-    seen.with_blind(by_scan, deviation_m * deviation_m)
+    seen.with_blind(by_scan, |_| deviation_m * deviation_m)
 }
 
 /// The place is not known well enough to say that the robot is tracked.

@@ -151,6 +151,9 @@ pub fn match_scan<L: MatchLevel>(
     let mut covariance = settings.covariance.from_curvature(&end, &seen);
     if settings.covariance.rule == CovarianceRule::Sampled {
         covariance = settings.covariance.sampled(finest, points, &answer).1;
+        if !seen.is_complete() {
+            covariance = seen.with_blind(&covariance, |_| settings.covariance.blind_deviation_m.powi(2));
+        }
     }
     let (n_points, n_evaluations) = (points.len(), search.n_evaluations);
     Some(ScanMatch { map_from_base: answer, covariance, end, start, seen, n_points, n_evaluations })

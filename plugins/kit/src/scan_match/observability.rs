@@ -160,14 +160,20 @@ impl Observability {
         inverse * self.directions * blind * self.directions.transpose() * inverse
     }
 
-    /// A covariance of x, y, yaw, but along directions that are not seen with this variance, m² (yaw scaled to lengths).
-    pub fn with_blind(&self, covariance: &Matrix3<f64>, variance_m2: f64) -> Matrix3<f64> {
+    /// A covariance of x, y, yaw, but along directions that are not seen (unit vectors, yaw scaled to lengths) with the variances
+    /// that are said of them, m².
+    pub fn with_blind(
+        &self,
+        covariance: &Matrix3<f64>,
+        variance_m2: impl Fn(Vector3<f64>) -> f64,
+    ) -> Matrix3<f64> {
         let inverse = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, self.extent_m));
         let scale = Matrix3::from_diagonal(&self.scale());
         let kept = Matrix3::from_diagonal(&Vector3::from_fn(|k, _| f64::from(u8::from(self.seen[k]))));
         let project = self.directions * kept * self.directions.transpose();
         let seen = scale * project * inverse * covariance * inverse * project * scale;
-        seen + self.compose(|k| if self.seen[k] { 0.0 } else { variance_m2 })
+        let along = |k: usize| variance_m2(self.directions.column(k).into_owned());
+        seen + self.compose(|k| if self.seen[k] { 0.0 } else { along(k) })
     }
 
     /// Axes by the largest component of each direction that is not seen.

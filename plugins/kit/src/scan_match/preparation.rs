@@ -77,8 +77,11 @@ impl ScanPreparation {
             if height_m > lowest_m && height_m < highest_m {
                 let x = origin.x + axes[(0, 0)] * ahead + axes[(0, 1)] * left;
                 let y = origin.y + axes[(1, 0)] * ahead + axes[(1, 1)] * left;
+                let n_before = points.len();
                 points.push(x as f32, y as f32, self.weight_by_noise(range_m) as f32);
-                beams.push(idx);
+                if points.len() > n_before {
+                    beams.push(idx);
+                }
             }
         }
         let mount = [axes[(0, 0)], axes[(0, 1)], axes[(1, 0)], axes[(1, 1)], origin.x, origin.y];
@@ -136,6 +139,8 @@ struct Scanned<'a> {
 const MISSED_BEAMS: usize = 4;
 /// What is seen this much farther away than the wall would be is another surface, meters and a share of the range.
 const BEHIND: [f64; 2] = [0.2, 0.1];
+/// Where beams meet a wall less steeply than 15 degrees, they may come back to nobody however near it is: the square of the sine.
+const STEEP: f64 = 0.067;
 /// Share of the longest range at which a wall would surely be seen.
 const SURELY_SEEN: f64 = 0.9;
 
@@ -155,9 +160,11 @@ impl Scanned<'_> {
             };
             let (sin, cos) = self.scan.bearing_rad(beam).sin_cos();
             let along = Vector2::new(xx * cos + xy * sin, yx * cos + yy * sin);
-            let wall_m = along.dot(&(across * to_point)) / along.dot(&(across * along));
-            let is_absent = reading_m.is_nan() || reading_m <= 0.0;
-            let is_behind = is_absent || reading_m > wall_m + BEHIND[0] + BEHIND[1] * wall_m;
+            let steep = along.dot(&(across * along));
+            let wall_m = along.dot(&(across * to_point)) / steep;
+            let is_absent = reading_m.is_nan() || reading_m <= 0.0 || reading_m >= limit_m;
+            let is_behind =
+                if is_absent { steep > STEEP } else { reading_m > wall_m + BEHIND[0] + BEHIND[1] * wall_m };
             is_behind && wall_m > 0.0 && wall_m < SURELY_SEEN * limit_m
         };
         (1..=MISSED_BEAMS).all(|k| is_missed(beam + k))

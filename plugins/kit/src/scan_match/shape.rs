@@ -38,51 +38,61 @@ struct Fit {
     normal_rad2: f64,
 }
 
+/// What points tell of x, y and yaw, and what of that the noise in their lines pretends.
+struct Told {
+    evidence: Matrix3<f64>,
+    pretended: Matrix3<f64>,
+}
+
 /// Takes apart what the points (in order of bearing) tell; nothing where they tell every direction. `ends_wall` says of a point
 /// and the normal's projection at it whether the surface could be seen farther on and is not there.
 pub(super) fn blind_directions(
     points: &ScanPoints,
     ends_wall: impl Fn(usize, &Matrix2<f64>) -> bool,
 ) -> Option<Observability> {
+    let Told { evidence, pretended } = told(points, ends_wall)?;
+    let weight = points.len() as f64;
+    let told = Linearized { hessian: evidence, weight, ..Linearized::default() };
+    let extent_m = points.extent_m();
+    let floor_per_m2 = LEAST_POINTS / weight;
+    // Most scans tell everything, and that is seen at once.
+    let sure = ObservabilitySettings { floor_per_m2: 2.0 * floor_per_m2, ratio: 0.01 };
+    Observability::unless_complete(&told, extent_m, &sure)?;
+    let rule = ObservabilitySettings { floor_per_m2, ..ObservabilitySettings::default() };
+    let mut shape = Observability::of(&told, extent_m, &rule);
+    let noise = shape.evidence_of(&pretended);
+    for (k, seen) in shape.seen.iter_mut().enumerate() {
+        *seen &= shape.evidence[k] > PRETENDED_TIMES * noise[k];
+    }
+    (!shape.is_complete() && !shape.is_empty()).then_some(shape)
+}
+
+/// Sums over all points; none where there is no line among them.
+fn told(points: &ScanPoints, ends_wall: impl Fn(usize, &Matrix2<f64>) -> bool) -> Option<Told> {
     let sums = running_sums(points);
     let windows = windows(points);
     let around: Vec<Option<Fit>> = windows.iter().map(|[first, end]| fit(&sums, *first, *end)).collect();
     let straight_m2 = STRAIGHT_DEVIATIONS.powi(2) * noise_m2(&around)?;
     let is_straight = |fit: &Fit| fit.mean_square_m2 <= straight_m2;
-    let (mut told, mut pretended) = (Matrix3::zeros(), Matrix3::zeros());
-    for (idx, ([x, y, _], ([first, end], around))) in
-        points.iter().zip(windows.iter().zip(around)).enumerate()
-    {
+    let mut told = Told { evidence: Matrix3::zeros(), pretended: Matrix3::zeros() };
+    let places = points.iter().zip(windows.iter().zip(around));
+    for (idx, ([x, y, _], ([first, end], around))) in places.enumerate() {
         let arm = Matrix2x3::new(1.0, 0.0, -f64::from(y), 0.0, 1.0, f64::from(x));
+        // Around a corner neither line is bent.
         let side = || {
             let sides = [fit(&sums, *first, idx + 1), fit(&sums, idx, *end)].into_iter().flatten();
             sides.min_by(|one, other| one.mean_square_m2.total_cmp(&other.mean_square_m2)).filter(is_straight)
         };
         let Some(line) = around.filter(is_straight).or_else(side) else {
-            told += arm.transpose() * arm * 0.5;
+            told.evidence += arm.transpose() * arm * 0.5;
             continue;
         };
         let along = Matrix2::identity() - line.across;
         let end = if ends_wall(idx, &line.across) { END_POINTS } else { 0.0 };
-        told += arm.transpose() * (line.across + along * end) * arm;
-        pretended += arm.transpose() * along * arm * line.normal_rad2;
+        told.evidence += arm.transpose() * (line.across + along * end) * arm;
+        told.pretended += arm.transpose() * along * arm * line.normal_rad2;
     }
-    let rule = ObservabilitySettings {
-        floor_per_m2: LEAST_POINTS / points.len() as f64,
-        ..ObservabilitySettings::default()
-    };
-    let weight = points.len() as f64;
-    let evidence = Linearized { hessian: told, weight, ..Linearized::default() };
-    let extent_m = points.extent_m();
-    // Most scans tell everything, and that is told at once.
-    let sure = ObservabilitySettings { floor_per_m2: 2.0 * rule.floor_per_m2, ratio: 0.01 };
-    Observability::unless_complete(&evidence, extent_m, &sure)?;
-    let mut shape = Observability::of(&evidence, extent_m, &rule);
-    let noise = Observability { evidence: shape.evidence_of(&pretended), ..shape };
-    for ((seen, evidence), pretended) in shape.seen.iter_mut().zip(&shape.evidence).zip(&noise.evidence) {
-        *seen &= *evidence > PRETENDED_TIMES * pretended;
-    }
-    (!shape.is_complete() && !shape.is_empty()).then_some(shape)
+    Some(told)
 }
 
 /// The median square of how far points lie from their line, where there are enough points to tell.

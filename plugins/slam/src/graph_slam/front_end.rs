@@ -25,6 +25,8 @@ pub(super) struct Prediction {
     pub without_odometer: Option<[Pose2; 2]>,
     /// Standard deviations of place and turn since the scan before, meters and radians.
     pub deviation: [f64; 2],
+    /// Since the scan before.
+    pub seconds: f64,
     /// Pairs may be so far apart at the beginning, meters.
     pub first_gate_m: f64,
     /// It has come so far by the odometer alone that what was seen before is no help.
@@ -40,6 +42,7 @@ impl Prediction {
             frame_from_base,
             without_odometer: None,
             deviation: [0.1, 0.05],
+            seconds: 0.0,
             first_gate_m: 0.3,
             is_far: false,
             is_blind: false,

@@ -3,6 +3,7 @@
 use super::atlas::KeyFrame;
 use super::loops::{Look, Recognized};
 use super::tracker::Tracker;
+use crate::rbpf_slam::archive::turned_into;
 use rumbo_core::frames::Pose2;
 
 /// After a loop so many frames are tied to neighbors that they could not trust before.
@@ -36,6 +37,9 @@ impl Tracker {
         let before = (!is_first).then(|| (self.front.frame, by_odometer.unwrap_or(self.frame_from_base)));
         let map_from_base = if is_first { self.first_pose } else { self.map_from_base() };
         let Some(added) = self.atlas.add(frame, &map_from_base, before) else { return };
+        if !is_first {
+            self.covariance = turned_into(&self.frame_from_base, &self.covariance);
+        }
         self.frame_from_base = Pose2::identity();
         self.frame_reckoned = reckoned;
         if let (Some((before, _)), Some((then, now))) = (before, since)

@@ -3,12 +3,12 @@
 use super::contradiction::{View, denied_share};
 use super::front_end::{Prediction, SURE_FIT};
 use super::point_table::thinned;
-use super::predicting::GUESS_M_S;
+use super::registration::Registered;
 use super::surface::Surface;
 use super::tracker::{Fit, Tracker};
 use crate::unseen::{Told, kept};
 use nalgebra::Matrix3;
-use rumbo_core::frames::Pose2;
+use rumbo_core::time::Time;
 
 /// A robot whose scans fit no better than this for some time is somewhere else.
 const POOR_FIT: f64 = 0.6;
@@ -30,8 +30,12 @@ const PATIENT_LOOKS: u32 = 8;
 /// ... up to so many times as long.
 const LONGEST_PAUSE: u32 = 32;
 
-/// Standard deviation of a step that scans do not tell at least, meters.
-const STANDING_M: f64 = 0.004;
+/// Wheels that have said nothing for so long before the last scan do not tell how the robot moves, seconds.
+const SILENT_S: f64 = 0.5;
+/// Standard deviation by wheels of a step that scans do not tell, at least, meters, ...
+const STEP_M: f64 = 0.004;
+/// ... unless the wheels stand: they are off by less than this.
+const STANDING_M: f64 = 1e-4;
 
 fn is_narrow(view: &View<'_>) -> bool {
     view.scan.bearing_step_rad.abs() * (view.scan.ranges_m.len() as f64) < NARROW_RAD
@@ -61,11 +65,7 @@ impl Tracker {
         };
         if let Some(found) = found {
             self.frame_from_base = found.reference_from_scan;
-            let information = found.information * self.settings.tie.believed_share;
-            let [off_m, off_rad] = prediction.deviation;
-            let known = nalgebra::Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
-            let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
-            self.covariance = self.with_blind(inverse, &found.reference_from_scan, surface, off_m);
+            self.covariance = self.known_after(&found, surface, prediction);
             // A robot that was carried away must not settle where it fits least badly.
             let (least_fit, most_denied) = if is_narrow(view) {
                 (0.0, 1.0)
@@ -96,25 +96,30 @@ impl Tracker {
         }
     }
 
-    /// Along directions that the scan cannot tell nothing corrects the prediction, whose errors add up.
-    fn with_blind(
-        &self,
-        by_scan: Option<Matrix3<f64>>,
-        frame_from_base: &Pose2,
-        surface: &Surface,
-        off_m: f64,
-    ) -> Matrix3<f64> {
-        let covariance = by_scan.unwrap_or(self.covariance);
+    /// What scan and prediction know together. Along directions that the scan cannot tell nothing corrects the prediction, whose
+    /// errors add up.
+    fn known_after(&self, found: &Registered, surface: &Surface, prediction: &Prediction) -> Matrix3<f64> {
+        let information = found.information * self.settings.tie.believed_share;
+        let [off_m, off_rad] = prediction.deviation;
+        let known = nalgebra::Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
+        let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
+        let covariance = inverse.unwrap_or(self.covariance);
         let Some(shape) = &surface.shape else { return covariance };
-        let shape = shape.turned(&frame_from_base.rotation);
+        let seen = shape.turned(&found.reference_from_scan.rotation);
+        kept(&seen, &covariance, &self.covariance, self.told_beside(prediction))
+    }
+
+    /// Who else knows the way since the scan before.
+    fn told_beside(&self, prediction: &Prediction) -> Told {
+        let since = self.before.map(|before| before.reckoned.stamp);
+        let is_heard = |newest: Time| since.is_none_or(|since| (since - newest).as_secs() < SILENT_S);
+        if !self.odometry.newest().is_some_and(|(newest, _)| is_heard(newest)) {
+            return Told::ByNobody { seconds: prediction.seconds };
+        }
         // Without what the prediction is doubted by at least, so that scans can correct it.
-        let step_m = off_m - self.settings.tie.odometer[0];
-        let told = if self.odometry.newest().is_some() {
-            Told::ByWheels { deviation_m: step_m.max(STANDING_M) }
-        } else {
-            Told::ByNobody { seconds: step_m / GUESS_M_S }
-        };
-        kept(&shape, &covariance, &self.covariance, told)
+        let step_m = prediction.deviation[0] - self.settings.tie.odometer[0];
+        let deviation_m = if step_m > STANDING_M { step_m.hypot(STEP_M) } else { 0.0 };
+        Told::ByWheels { deviation_m }
     }
 
     /// How much of the scan contradicts the key frame that the robot is seen from.
@@ -145,10 +150,11 @@ impl Tracker {
         let points = thinned(view.surface.iter().copied());
         let Some(found) = self.search.anywhere(&self.atlas, &points, &self.settings.loops) else { return };
         let (frame, frame_from_base) = (self.front.frame, self.frame_from_base);
-        let frames = self.front.frames().to_vec();
+        let (frames, covariance) = (self.front.frames().to_vec(), self.covariance);
         self.stand(found.place, found.place_from_frame, &found.frames);
         if !self.is_sure_of(view) {
             self.stand(frame, frame_from_base, &frames);
+            self.covariance = covariance;
             return;
         }
         (self.fit, self.n_missed, self.is_adrift) = (Fit::Placed, 0, false);
@@ -160,8 +166,10 @@ impl Tracker {
         let here = Prediction::around(self.frame_from_base);
         let Some(found) = self.front.place(&self.atlas, view.surface, &here) else { return false };
         self.frame_from_base = found.reference_from_scan;
-        let information = found.information * self.settings.tie.believed_share;
-        self.covariance = information.try_inverse().unwrap_or(self.covariance);
-        found.fit() >= SURE_FIT && self.denied_share(view) <= HARDLY_DENIED
+        let is_sure = found.fit() >= SURE_FIT && self.denied_share(view) <= HARDLY_DENIED;
+        if is_sure {
+            self.covariance = self.known_after(&found, view.surface, &here);
+        }
+        is_sure
     }
 }

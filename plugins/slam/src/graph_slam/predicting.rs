@@ -10,7 +10,7 @@ use rumbo_core::time::Time;
 /// Dead reckoning that may be farther off has nothing to be registered on, meters.
 const MOST_OFF_M: f64 = 0.5;
 /// Errors of a guess without an odometer, shares of the gap between two scans.
-pub(super) const GUESS_M_S: f64 = 1.0;
+const GUESS_M_S: f64 = 1.0;
 const GUESS_RAD_S: f64 = 1.0;
 
 impl Tracker {
@@ -25,6 +25,7 @@ impl Tracker {
                 frame_from_base: here,
                 without_odometer: None,
                 deviation,
+                seconds: 0.0,
                 first_gate_m,
                 is_far: false,
                 is_blind: false,
@@ -57,6 +58,7 @@ impl Tracker {
             frame_from_base: here * motion,
             without_odometer,
             deviation,
+            seconds,
             first_gate_m,
             is_far,
             is_blind,

@@ -20,6 +20,7 @@ impl Tracker {
         let here = self.map_from_base();
         let (frame, frame_from_base) = (self.front.frame, self.frame_from_base);
         let (frames, frame_reckoned) = (self.front.frames().to_vec(), self.frame_reckoned);
+        let covariance = self.covariance;
         let place_from_base = self.atlas.pose(place).inverse() * here;
         self.stand(place, place_from_base, &frames_of(&self.atlas, place));
         if self.is_sure_of(view) {
@@ -29,7 +30,7 @@ impl Tracker {
             }
         }
         self.stand(frame, frame_from_base, &frames);
-        self.frame_reckoned = frame_reckoned;
+        (self.frame_reckoned, self.covariance) = (frame_reckoned, covariance);
         false
     }
 

@@ -6,6 +6,7 @@ use super::front_end::FrontEnd;
 use super::loops::{Look, LoopSearch, LoopSettings, frames_of};
 use super::surface::{Surface, SurfaceLimits};
 use crate::gyro::{Gyro, Heading};
+use crate::rbpf_slam::archive::turned_into;
 use nalgebra::Matrix3;
 use rumbo_core::frames::{Pose2, Pose3, lift};
 use rumbo_core::messages::{LaserScan, StampedPose};
@@ -110,6 +111,7 @@ pub(super) struct Tracker {
     pub frame_from_base: Pose2,
     /// At the newest key frame.
     pub frame_reckoned: Option<Reckoned>,
+    /// In the axes of the key frame.
     pub covariance: Matrix3<f64>,
     pub first_pose: Pose2,
     pub fit: Fit,
@@ -211,6 +213,8 @@ impl Tracker {
 
     /// The robot is here, as seen from a key frame; how it came here says nothing.
     pub fn stand(&mut self, frame: usize, frame_from_base: Pose2, frames: &[usize]) {
+        let new_from_old = self.atlas.pose(frame).inverse() * self.map_from_frame();
+        self.covariance = turned_into(&new_from_old.inverse(), &self.covariance);
         self.front.look_from(&self.atlas, frame, frames);
         self.frame_from_base = frame_from_base;
         self.frame_reckoned = None;
@@ -240,6 +244,7 @@ impl Tracker {
         };
         let frames = frames_of(&self.atlas, nearest);
         self.stand(nearest, self.atlas.pose(nearest).inverse() * map_from_base, &frames);
+        self.covariance = turned_into(&self.atlas.pose(nearest), covariance);
     }
 
     /// Nobody knows where the robot is; it looks for itself at the next scan.

@@ -42,7 +42,7 @@ pub struct Archive {
 const TURN_AS_WAY_M: f64 = 0.5;
 
 /// A matrix of x, y, yaw from the axes that the pose is seen in to its own.
-pub(super) fn turned_into(pose: &Pose2, matrix: &Matrix3<f64>) -> Matrix3<f64> {
+pub(crate) fn turned_into(pose: &Pose2, matrix: &Matrix3<f64>) -> Matrix3<f64> {
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), pose.rotation.angle());
     let turned = turn.matrix().transpose() * matrix * turn.matrix();
     (turned + turned.transpose()) * 0.5

@@ -228,9 +228,13 @@ impl Follower {
         if let Some(shape) = shape {
             let shape = shape.turned(&step_from_base.rotation);
             let way = &since_step.before_from_after;
-            let way_m = way.translation.vector.norm() + shape.extent_m * way.rotation.angle().abs();
-            let variance_m2 = (self.settings.blind_way * way_m).powi(2) + since_step.stray[0] + off_m * off_m;
-            covariance = shape.with_blind(&covariance, variance_m2);
+            let (way_m, turn_m) =
+                (way.translation.vector.norm(), shape.extent_m * way.rotation.angle().abs());
+            let least_m2 = since_step.stray[0] + off_m * off_m;
+            covariance = shape.with_blind(&covariance, |blind| {
+                let moved_m = blind.xy().norm() * way_m + blind.z.abs() * turn_m;
+                (self.settings.blind_way * moved_m).powi(2) + least_m2
+            });
         }
         Followed {
             before_from_after: *step_from_base,

@@ -69,6 +69,8 @@ pub struct MotionState {
 const VELOCITY_HOLDS_S: f64 = 1.0;
 /// A robot whose velocity is not known yet may move like this, m/s and rad/s.
 const UNKNOWN_SPEED: [f64; 2] = [1.5, 1.0];
+/// Wheels that have said nothing for so long do not tell how the robot moves, seconds.
+const SILENT_S: f64 = 0.5;
 /// After a pause that is longer an odometer may have begun anew, seconds, ...
 const ODOMETER_PAUSE_S: f64 = 1.0;
 /// ... and surely has where it would have been faster than this, m/s.
@@ -177,6 +179,11 @@ impl Motion {
         if self.recent.len() > MOST_READINGS {
             self.recent.pop_front();
         }
+    }
+
+    /// The odometer has spoken lately.
+    pub fn hears_wheels(&self, stamp: Time) -> bool {
+        self.odometry.stamp().is_some_and(|newest| (stamp - newest).as_secs() < SILENT_S)
     }
 
     /// The odometer's reading at a time; the identity without an odometer.

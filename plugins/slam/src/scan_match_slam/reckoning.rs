@@ -2,12 +2,15 @@
 
 use super::motion::Step;
 use super::tracker::{ScanTracker, Tracked};
+use crate::unseen::Told;
 use nalgebra::{Matrix3, Rotation2};
 use rumbo_core::frames::Pose2;
 use rumbo_core::time::Time;
 
 /// Without a scan for so long the robot is not followed any more but reckoned, seconds.
 const BLIND_AFTER_S: f64 = 1.0;
+/// Wheels that turn by less between two scans stand, meters and radians.
+const STANDING: f64 = 1e-4;
 
 impl Tracked {
     /// After this step, by which the covariance has grown.
@@ -36,6 +39,20 @@ impl ScanTracker {
         }
         let (step, grown) = self.step_to(state, now);
         state.after(&step, &grown, now)
+    }
+
+    /// What was known before, and who else knows the way since then.
+    pub(super) fn told_beside(&self, predicted: &Tracked) -> (Matrix3<f64>, Told) {
+        // The prediction has the wheels' errors in it, and what somebody has said.
+        let known = (predicted.covariance, Told::ByWheels { deviation_m: 0.0 });
+        let Some(state) = self.state.filter(|_| !self.is_put) else { return known };
+        if !self.is_by_odometer || !self.motion.hears_wheels(predicted.stamp) {
+            let seconds = (predicted.stamp - state.stamp).as_secs();
+            return (predicted.covariance, Told::ByNobody { seconds });
+        }
+        let step = state.map_from_base.inverse() * predicted.map_from_base;
+        let stands = step.translation.vector.norm() < STANDING && step.rotation.angle().abs() < STANDING;
+        if stands { (state.covariance, known.1) } else { known }
     }
 }
 

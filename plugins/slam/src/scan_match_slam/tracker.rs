@@ -4,7 +4,7 @@ use super::locating::{Located, Look};
 use super::motion::Motion;
 use super::place_search::PlaceSearch;
 use super::settings::{Counters, TrackerSettings};
-use crate::unseen::{Told, kept};
+use crate::unseen::kept;
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::Pose2;
 use rumbo_core::map::{Grid, GridFault, Map};
@@ -34,6 +34,8 @@ pub struct ScanTracker {
     pub(super) state: Option<Tracked>,
     /// The robot before its first scan, or where somebody said it is.
     pub(super) pending: Option<(Pose2, Matrix3<f64>)>,
+    /// The last prediction is where somebody said that the robot is.
+    pub(super) is_put: bool,
     /// Stamps up to this are not newer; none where another clock may have begun.
     pub(super) newest: Option<Time>,
     /// It goes on from what was saved, by the same clock or another.
@@ -73,6 +75,7 @@ impl ScanTracker {
             gates: Vec::new(),
             state: None,
             pending: None,
+            is_put: false,
             newest: None,
             is_resumed: false,
             drift: Matrix3::zeros(),
@@ -179,6 +182,7 @@ impl ScanTracker {
     }
 
     fn predict(&mut self, stamp: Time) -> Tracked {
+        self.is_put = self.pending.is_some();
         if let Some((map_from_base, covariance)) = self.pending.take() {
             self.motion.begin(stamp, &map_from_base);
             (self.drift, self.is_by_odometer) = (covariance, false);
@@ -240,16 +244,9 @@ impl ScanTracker {
             self.motion.begin(predicted.stamp, &found.map_from_base);
             Tracked { map_from_base: found.map_from_base, covariance: found.covariance, ..predicted }
         } else {
-            let told = if self.is_by_odometer {
-                // The prediction has it in it.
-                Told::ByWheels { deviation_m: 0.0 }
-            } else {
-                Told::ByNobody {
-                    seconds: self.state.map_or(0.0, |state| (predicted.stamp - state.stamp).as_secs()),
-                }
-            };
             let together = fused(&predicted.covariance, &found.covariance);
-            let covariance = kept(&found.seen, &together, &predicted.covariance, told);
+            let (before, told) = self.told_beside(&predicted);
+            let covariance = kept(&found.seen, &together, &before, told);
             Tracked { map_from_base: found.map_from_base, covariance, ..predicted }
         };
         self.n_without_match = 0;

@@ -80,6 +80,16 @@ fn a_beam_that_is_lost_now_and_then_ends_no_wall() {
 }
 
 #[test]
+fn where_grazing_beams_do_not_come_back_no_wall_ends() {
+    for (reach_m, nothing) in [(8.0, f32::NAN), (12.0, f32::INFINITY), (12.0, 0.0)] {
+        let mut scan = seen(&corridor(), &pose2(0.0, 0.2, 0.1), 361, 0.01, &mut rng::stream(1, "shapes"));
+        let far = scan.ranges_m.make_mut().iter_mut().filter(|range_m| **range_m > reach_m);
+        far.for_each(|range_m| *range_m = nothing);
+        assert_eq!(shape(&scan).unwrap().seen, [false, true, true], "{reach_m} {nothing}");
+    }
+}
+
+#[test]
 fn around_the_middle_of_a_round_room_the_turn_is_not_told() {
     let at = |k: f64| [5.0 * k.to_radians().cos(), 5.0 * k.to_radians().sin()];
     let walls: Vec<Wall> = (0..360).map(|k| [at(f64::from(k)), at(f64::from(k + 1))]).collect();
@@ -122,8 +132,13 @@ fn a_match_in_a_bare_corridor_keeps_the_priors_way_along_it() {
     );
     assert!(scene.points.shape().is_some());
     let start = pose2(0.07, 0.12, 0.02);
-    let found = match_scan(&[scene.level()], &scene.points, &start, None, &MatchSettings::default()).unwrap();
-    assert_eq!(found.seen.seen, [false, true, true]);
-    assert!((found.map_from_base.translation.x - 0.07).abs() < 1e-3, "{}", found.map_from_base);
-    assert!(found.covariance[(0, 0)].sqrt() > 0.9 && found.covariance[(1, 1)].sqrt() < 0.05);
+    for rule in [CovarianceRule::Curvature, CovarianceRule::Sampled] {
+        let covariance = CovarianceSettings { rule, ..CovarianceSettings::default() };
+        let settings = MatchSettings { covariance, ..MatchSettings::default() };
+        let found = match_scan(&[scene.level()], &scene.points, &start, None, &settings).unwrap();
+        assert_eq!(found.seen.seen, [false, true, true]);
+        assert!((found.map_from_base.translation.x - 0.07).abs() < 1e-3, "{}", found.map_from_base);
+        let [along_m, across_m] = [0, 1].map(|axis| found.covariance[(axis, axis)].sqrt());
+        assert!(along_m > 0.9 && across_m < 0.1, "{rule:?}: {along_m} m along, {across_m} m across");
+    }
 }

@@ -8,7 +8,7 @@ use crate::rbpf_slam::filter::Outcome;
 use crate::rbpf_slam::follower::is_degenerate;
 use crate::rbpf_slam::motion::Step;
 use crate::rbpf_slam::particle::{Doubt, KeyScan};
-use crate::unseen::{Told, kept};
+use crate::unseen::{Told, is_unsure, kept};
 use nalgebra::Matrix3;
 use rumbo_core::frames::Pose2;
 use rumbo_core::messages::{LaserScan, Observation};
@@ -92,6 +92,10 @@ impl Tracker {
             return false;
         }
         if !is_placed && self.n_unmatched % LOOK_EVERY == LOOK_EVERY - 1 {
+            return true;
+        }
+        if is_placed && self.points.shape().is_none() && is_unsure(&self.covariance) {
+            // It shows again what the scans before did not.
             return true;
         }
         if is_placed && self.is_lost() {
