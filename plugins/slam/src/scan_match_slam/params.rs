@@ -153,7 +153,7 @@ impl Default for ScanMatchSlamParams {
             prediction: Prediction::Odometry,
             use_prior: true,
             residual_variance: 0.15,
-            odometer_doubt: 7.5,
+            odometer_doubt: 7.0,
             odometer_way: 0.1,
             odometer_turn: 0.1,
             odometer_turn_deg_m: 1.0,
