@@ -5,6 +5,10 @@ use rumbo_kit::scan_match::Observability;
 
 /// A robot whose motion nobody sees may be so much slower or faster than it is thought to be, m/s.
 const UNSEEN_M_S: f64 = 0.5;
+/// Wheels that have said nothing for so long do not tell how the robot moves, seconds.
+pub(crate) const SILENT_S: f64 = 0.5;
+/// Wheels that turn by less between two scans stand, meters and radians.
+pub(crate) const STANDING: f64 = 1e-4;
 /// Who knows its place no better than this along some direction (standard deviation) is not sure of it, meters.
 const SURE_M: f64 = 0.5;
 

@@ -133,6 +133,12 @@ impl Observability {
         if self.is_complete() { *pose } else { moved(expected, &self.seen_part(&difference(expected, pose))) }
     }
 
+    /// Onto what is seen, with yaw scaled to lengths (P).
+    fn projection(&self) -> Matrix3<f64> {
+        let kept = Matrix3::from_diagonal(&Vector3::from_fn(|k, _| f64::from(u8::from(self.seen[k]))));
+        self.directions * kept * self.directions.transpose()
+    }
+
     /// The evidence without what looks like evidence along directions that are not seen: `D^-1 Σ_seen λ v v^T D^-1` and
     /// `D^-1 Σ_seen v v^T D b`.
     pub(super) fn seen_evidence(&self, linearized: &Linearized) -> (Matrix3<f64>, Vector3<f64>) {
@@ -146,8 +152,7 @@ impl Observability {
             return (*hessian, *descent);
         }
         let inverse = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, self.extent_m));
-        let kept = Matrix3::from_diagonal(&Vector3::from_fn(|k, _| f64::from(u8::from(self.seen[k]))));
-        let project = self.directions * kept * self.directions.transpose();
+        let project = self.projection();
         let within = project * scaled(hessian, self.extent_m) * project;
         let along = project * descent.component_mul(&self.scale());
         (inverse * within * inverse, inverse * along)
@@ -169,8 +174,7 @@ impl Observability {
     ) -> Matrix3<f64> {
         let inverse = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, self.extent_m));
         let scale = Matrix3::from_diagonal(&self.scale());
-        let kept = Matrix3::from_diagonal(&Vector3::from_fn(|k, _| f64::from(u8::from(self.seen[k]))));
-        let project = self.directions * kept * self.directions.transpose();
+        let project = self.projection();
         let seen = scale * project * inverse * covariance * inverse * project * scale;
         let along = |k: usize| variance_m2(self.directions.column(k).into_owned());
         seen + self.compose(|k| if self.seen[k] { 0.0 } else { along(k) })

@@ -6,7 +6,7 @@ use super::point_table::thinned;
 use super::registration::Registered;
 use super::surface::Surface;
 use super::tracker::{Fit, Tracker};
-use crate::unseen::{Told, kept};
+use crate::unseen::{SILENT_S, STANDING, Told, kept};
 use nalgebra::Matrix3;
 use rumbo_core::time::Time;
 
@@ -30,12 +30,8 @@ const PATIENT_LOOKS: u32 = 8;
 /// ... up to so many times as long.
 const LONGEST_PAUSE: u32 = 32;
 
-/// Wheels that have said nothing for so long before the last scan do not tell how the robot moves, seconds.
-const SILENT_S: f64 = 0.5;
-/// Standard deviation by wheels of a step that scans do not tell, at least, meters, ...
+/// Standard deviation by wheels of a step that scans do not tell, at least, meters, unless the wheels stand.
 const STEP_M: f64 = 0.004;
-/// ... unless the wheels stand: they are off by less than this.
-const STANDING_M: f64 = 1e-4;
 
 fn is_narrow(view: &View<'_>) -> bool {
     view.scan.bearing_step_rad.abs() * (view.scan.ranges_m.len() as f64) < NARROW_RAD
@@ -118,7 +114,7 @@ impl Tracker {
         }
         // Without what the prediction is doubted by at least, so that scans can correct it.
         let step_m = prediction.deviation[0] - self.settings.tie.odometer[0];
-        let deviation_m = if step_m > STANDING_M { step_m.hypot(STEP_M) } else { 0.0 };
+        let deviation_m = if step_m > STANDING { step_m.hypot(STEP_M) } else { 0.0 };
         Told::ByWheels { deviation_m }
     }
 

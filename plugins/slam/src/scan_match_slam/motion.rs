@@ -1,6 +1,7 @@
 //! How the robot moved since a scan, before the next one is looked at.
 
 use crate::turning::yaw_rate_rad_s;
+use crate::unseen::SILENT_S;
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Twist, is_finite2, pose2, wrap_angle};
 use rumbo_core::messages::{Data, Odometry, Seen};
@@ -69,8 +70,6 @@ pub struct MotionState {
 const VELOCITY_HOLDS_S: f64 = 1.0;
 /// A robot whose velocity is not known yet may move like this, m/s and rad/s.
 const UNKNOWN_SPEED: [f64; 2] = [1.5, 1.0];
-/// Wheels that have said nothing for so long do not tell how the robot moves, seconds.
-const SILENT_S: f64 = 0.5;
 /// After a pause that is longer an odometer may have begun anew, seconds, ...
 const ODOMETER_PAUSE_S: f64 = 1.0;
 /// ... and surely has where it would have been faster than this, m/s.

@@ -2,15 +2,13 @@
 
 use super::motion::Step;
 use super::tracker::{ScanTracker, Tracked};
-use crate::unseen::Told;
+use crate::unseen::{STANDING, Told};
 use nalgebra::{Matrix3, Rotation2};
 use rumbo_core::frames::Pose2;
 use rumbo_core::time::Time;
 
 /// Without a scan for so long the robot is not followed any more but reckoned, seconds.
 const BLIND_AFTER_S: f64 = 1.0;
-/// Wheels that turn by less between two scans stand, meters and radians.
-const STANDING: f64 = 1e-4;
 
 impl Tracked {
     /// After this step, by which the covariance has grown.
