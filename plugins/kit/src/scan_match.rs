@@ -10,6 +10,7 @@
 
 mod covariance;
 mod gate;
+mod known;
 mod level;
 mod linearized;
 mod logistic;
@@ -26,6 +27,7 @@ mod surface_normals;
 
 pub use covariance::{CovarianceRule, CovarianceSettings};
 pub use gate::{MatchGate, MatchStatus};
+pub use known::{drawn_along, drawn_near};
 pub use level::{GridLevel, MatchLevel, levels_of, levels_within};
 pub use linearized::{Linearized, linearize};
 pub use logistic::logistic;
@@ -34,6 +36,7 @@ pub use observability::{BlindAxes, Observability, ObservabilitySettings};
 pub use points::ScanPoints;
 pub use polish::PolishSettings;
 pub use preparation::{ScanPreparation, shape_of};
+pub use shape::{ScanShape, ShapePoint};
 pub use step::{PosePrior, step};
 pub use surface_fit::{SurfaceFit, fit_surfaces};
 pub use surface_map::SurfaceMap;

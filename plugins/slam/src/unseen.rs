@@ -9,6 +9,8 @@ const UNSEEN_M_S: f64 = 0.5;
 pub(crate) const SILENT_S: f64 = 0.5;
 /// Wheels that turn by less between two scans stand, meters and radians.
 pub(crate) const STANDING: f64 = 1e-4;
+/// A point lies on something that is drawn where that is this near, meters.
+pub(crate) const KNOWN_M: f64 = 0.1;
 /// Who knows its place no better than this along some direction (standard deviation) is not sure of it, meters.
 const SURE_M: f64 = 0.5;
 
@@ -19,6 +21,13 @@ pub(crate) enum Told {
     ByWheels { deviation_m: f64 },
     /// Nobody for so long: what a velocity is off by it is off by in the next step, too.
     ByNobody { seconds: f64 },
+}
+
+impl Told {
+    /// Wheels know.
+    pub fn by_wheels(self) -> bool {
+        matches!(self, Told::ByWheels { .. })
+    }
 }
 
 /// A covariance of x, y, yaw after a scan: along directions that it did not show what it was before, and more.
@@ -37,6 +46,20 @@ pub(crate) fn kept(
         Told::ByNobody { seconds } => known_m + UNSEEN_M_S * seconds.max(0.0),
     };
     seen.with_blind(by_scan, |_| deviation_m * deviation_m)
+}
+
+/// The same after a scan that tells all directions, but only against what was drawn since nobody knew the way: the place on the
+/// rest of the map is known no better than before.
+pub(crate) fn not_sharper(by_scan: &Matrix3<f64>, before: &Matrix3<f64>) -> Matrix3<f64> {
+    let place = |covariance: &Matrix3<f64>| covariance.fixed_view::<2, 2>(0, 0).into_owned();
+    let (now, then) = (place(by_scan), place(before));
+    if now.trace() >= then.trace() {
+        return *by_scan;
+    }
+    let mut blunt = Matrix3::zeros();
+    blunt.fixed_view_mut::<2, 2>(0, 0).copy_from(&then);
+    blunt[(2, 2)] = by_scan[(2, 2)];
+    blunt
 }
 
 /// The place is not known well enough to say that the robot is tracked.

@@ -63,9 +63,9 @@ pub fn linearize<L: MatchLevel>(level: &L, points: &ScanPoints, map_from_base: &
     let placed = Placed::new(&(level_from_map * map_from_base), level.resolution_m());
     let sums = simd::widest(Fold { level, points, placed });
     let mut told = sums.in_map_frame(level.resolution_m(), &level_from_map);
-    if let Some(shape) = points.shape() {
-        let shape = shape.turned(&map_from_base.rotation);
-        (told.hessian, told.descent) = shape.only_seen(&told.hessian, &told.descent);
+    if let Some(blind) = points.blind() {
+        let seen = blind.turned(&map_from_base.rotation);
+        (told.hessian, told.descent) = seen.only_seen(&told.hessian, &told.descent);
     }
     told
 }

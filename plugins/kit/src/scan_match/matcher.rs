@@ -165,7 +165,7 @@ fn few_of(points: &ScanPoints, n_least: usize) -> Option<ScanPoints> {
     // Those that are left stand for the others, also against a prior.
     let mut few = ScanPoints::default();
     points.iter().step_by(every).for_each(|[x, y, weight]| few.push(x, y, weight * every as f32));
-    few.set_shape(points.shape().copied());
+    few.set_blind(points.blind().copied());
     Some(few)
 }
 

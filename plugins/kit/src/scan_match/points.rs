@@ -1,21 +1,23 @@
 //! The points of one scan, in the base frame.
 
 use super::observability::Observability;
+use super::shape::{ScanShape, ShapePoint};
 
-/// Points with weights, as columns. Kept between scans, so that a warm one allocates nothing.
+/// Points with weights, as columns that are kept between scans.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ScanPoints {
     x: Vec<f32>,
     y: Vec<f32>,
     weights: Vec<f32>,
-    shape: Option<Observability>,
+    shape: Option<ScanShape>,
+    blind: Option<Observability>,
 }
 
 impl ScanPoints {
     /// Takes all points out.
     pub fn clear(&mut self) {
         [&mut self.x, &mut self.y, &mut self.weights].into_iter().for_each(Vec::clear);
-        self.shape = None;
+        (self.shape, self.blind) = (None, None);
     }
 
     /// Adds a point, meters; a weight of 1 is that of an ordinary reading. What is not finite is left out.
@@ -58,15 +60,33 @@ impl ScanPoints {
         &mut self.weights
     }
 
-    /// Directions, in the base frame, of which the scan by its own shape tells something and nothing; none where it tells all, or
-    /// where nobody looked.
-    pub fn shape(&self) -> Option<&Observability> {
+    /// What the scan tells by its own shape; none where it tells all directions many times over, or where nobody looked.
+    pub fn shape(&self) -> Option<&ScanShape> {
         self.shape.as_ref()
     }
 
-    /// Says so.
-    pub fn set_shape(&mut self, shape: Option<Observability>) {
+    /// The same, without keeping it.
+    pub fn take_shape(&mut self) -> Option<ScanShape> {
+        self.shape.take()
+    }
+
+    pub(super) fn set_shape(&mut self, shape: Option<ScanShape>) {
+        self.blind = shape.as_ref().and_then(ScanShape::blind);
         self.shape = shape;
+    }
+
+    /// Directions, in the base frame, of which the scan tells something and nothing; none where it tells all.
+    pub fn blind(&self) -> Option<&Observability> {
+        self.blind.as_ref()
+    }
+
+    /// From now on only those points tell directions that are known where the scan is laid.
+    pub fn count_where(&mut self, is_known: impl Fn(&ShapePoint) -> bool) {
+        self.blind = self.shape.as_ref().and_then(|shape| shape.blind_where(is_known));
+    }
+
+    pub(super) fn set_blind(&mut self, blind: Option<Observability>) {
+        self.blind = blind;
     }
 
     /// x, y and weight of each.

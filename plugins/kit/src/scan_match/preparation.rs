@@ -1,8 +1,7 @@
 //! From readings to points: what of a scan is worth matching, and how much.
 
-use super::observability::Observability;
 use super::points::ScanPoints;
-use super::shape::blind_directions;
+use super::shape::ScanShape;
 use nalgebra::{Matrix2, Vector2};
 use rumbo_core::frames::Pose3;
 use rumbo_core::messages::LaserScan;
@@ -45,16 +44,16 @@ impl Default for ScanPreparation {
 /// A gap in what was seen counts for no more than this, meters: behind an edge nothing was seen.
 const LONGEST_GAP_M: f64 = 0.5;
 
-/// Directions, in the base frame, of which a scan by its own shape tells something and nothing, by its readings between these
-/// ranges (m); none where it tells all of them.
-pub fn shape_of(scan: &LaserScan, base_from_sensor: &Pose3, ranges_m: [f64; 2]) -> Option<Observability> {
+/// What a scan tells by its own shape, by its readings between these ranges (m); none where it tells all directions many times
+/// over.
+pub fn shape_of(scan: &LaserScan, base_from_sensor: &Pose3, ranges_m: [f64; 2]) -> Option<ScanShape> {
     let [min_range_m, max_range_m] = ranges_m;
     let height_band_m = [f64::NEG_INFINITY, f64::INFINITY];
     let preparation =
         ScanPreparation { min_range_m, max_range_m, height_band_m, ..ScanPreparation::default() };
     let mut points = ScanPoints::default();
     preparation.prepare(scan, base_from_sensor, &mut points);
-    points.shape().copied()
+    points.take_shape()
 }
 
 impl ScanPreparation {
@@ -86,7 +85,7 @@ impl ScanPreparation {
         }
         let mount = [axes[(0, 0)], axes[(0, 1)], axes[(1, 0)], axes[(1, 1)], origin.x, origin.y];
         let scanned = Scanned { scan, beams: &beams, max_range_m: self.max_range_m, mount };
-        let shape = blind_directions(points, |idx, across| scanned.ends_wall(idx, across, points));
+        let shape = ScanShape::of(points, |idx, across| scanned.ends_wall(idx, across, points));
         if self.full_weight_spacing_m > 0.0 {
             self.weigh_by_spacing(points);
         }

@@ -28,6 +28,11 @@ const PRETENDED_TIMES: f64 = 3.0;
 /// The end of a wall counts as so many points that tell the way along it.
 const END_POINTS: f64 = 5.0;
 
+/// Walls whose normals are less than 13 degrees apart are the same: the square of the cosine.
+const SAME_WALL: f64 = 0.95;
+/// A direction that so large a share of the points tells is told whichever of them count.
+const TOLD_SHARE: f64 = 0.1;
+
 /// The line through a point's neighbors.
 #[derive(Debug, Clone, Copy)]
 struct Fit {
@@ -39,56 +44,136 @@ struct Fit {
 }
 
 /// What points tell of x, y and yaw, and what of that the noise in their lines pretends.
+#[derive(Debug, Clone, Copy, Default)]
 struct Told {
     evidence: Matrix3<f64>,
     pretended: Matrix3<f64>,
 }
 
-/// Takes apart what the points (in order of bearing) tell; nothing where they tell every direction. `ends_wall` says of a point
-/// and the normal's projection at it whether the surface could be seen farther on and is not there.
-pub(super) fn blind_directions(
-    points: &ScanPoints,
-    ends_wall: impl Fn(usize, &Matrix2<f64>) -> bool,
-) -> Option<Observability> {
-    let Told { evidence, pretended } = told(points, ends_wall)?;
-    let weight = points.len() as f64;
-    let told = Linearized { hessian: evidence, weight, ..Linearized::default() };
-    let extent_m = points.extent_m();
-    let floor_per_m2 = LEAST_POINTS / weight;
+/// A point of a scan, in the base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShapePoint {
+    /// Place, meters.
+    pub at: [f32; 2],
+    /// The normal of the line through its neighbors, to either side.
+    pub normal: Option<[f32; 2]>,
+}
+
+/// What is needed of a scan to say what it tells by itself; which of its points count depends on what they are laid on. It is not
+/// kept of scans that tell all directions many times over.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScanShape {
+    /// In order of bearing.
+    points: Vec<ShapePoint>,
+    /// A wall ends there.
+    ends: Vec<bool>,
+    extent_m: f64,
+}
+
+impl ScanShape {
+    /// Of points in order of bearing. `ends_wall` says of a point and the normal's projection at it whether the surface could be
+    /// seen farther on and is not there.
+    pub(super) fn of(
+        points: &ScanPoints,
+        ends_wall: impl Fn(usize, &Matrix2<f64>) -> bool,
+    ) -> Option<ScanShape> {
+        let places: Vec<[f32; 2]> = points.iter().map(|[x, y, _]| [x, y]).collect();
+        let (mut normals, mut ends) = (Vec::with_capacity(places.len()), Vec::with_capacity(places.len()));
+        let told = told(&places, |idx, across| {
+            let is_end = ends_wall(idx, across);
+            normals.push(normal_of(across));
+            ends.push(is_end);
+            is_end
+        })?;
+        let points_of = places.iter().zip(normals).map(|(at, normal)| ShapePoint { at: *at, normal });
+        let shape = ScanShape { points: points_of.collect(), ends, extent_m: points.extent_m() };
+        let many_times = ObservabilitySettings { floor_per_m2: TOLD_SHARE, ratio: 0.0 };
+        let n_points = shape.points.len();
+        Observability::unless_complete(&linearized(&told, n_points), shape.extent_m, &many_times)?;
+        Some(shape)
+    }
+
+    /// In order of bearing.
+    pub fn points(&self) -> &[ShapePoint] {
+        &self.points
+    }
+
+    /// Directions, in the base frame, of which the scan tells something and nothing; none where it tells all of them.
+    pub fn blind(&self) -> Option<Observability> {
+        self.blind_where(|_| true)
+    }
+
+    /// The same of those points alone whose surface is known where the scan is laid: what is seen for the first time tells nothing
+    /// of where the robot is. Nothing where none is.
+    pub fn blind_where(&self, is_known: impl Fn(&ShapePoint) -> bool) -> Option<Observability> {
+        let known = self.points.iter().zip(&self.ends).filter(|(point, _)| is_known(point));
+        let (known, ends): (Vec<ShapePoint>, Vec<bool>) = known.unzip();
+        let places: Vec<[f32; 2]> = known.iter().map(|point| point.at).collect();
+        // Without what stands before a wall, the line at a point may be another one.
+        let is_same = |normal: &[f32; 2], across: &Matrix2<f64>| {
+            let normal = Vector2::from(*normal).cast::<f64>();
+            normal.dot(&(across * normal)) > SAME_WALL
+        };
+        let ends_wall = |idx: usize, across: &Matrix2<f64>| {
+            let normal =
+                known.get(idx).filter(|_| ends.get(idx) == Some(&true)).and_then(|point| point.normal);
+            normal.is_some_and(|normal| is_same(&normal, across))
+        };
+        let told = told(&places, ends_wall)?;
+        blind(&told, places.len(), self.extent_m)
+    }
+}
+
+/// What is projected on; none where nothing is.
+fn normal_of(across: &Matrix2<f64>) -> Option<[f32; 2]> {
+    let [x, y] = [across[(0, 0)], across[(1, 1)]].map(|square| square.max(0.0).sqrt() as f32);
+    (across.trace() > 0.5).then_some([x, y.copysign(across[(0, 1)] as f32)])
+}
+
+fn linearized(told: &Told, n_points: usize) -> Linearized {
+    Linearized { hessian: told.evidence, weight: n_points as f64, ..Linearized::default() }
+}
+
+/// Takes apart what the points tell; nothing where they tell every direction.
+fn blind(told: &Told, n_points: usize, extent_m: f64) -> Option<Observability> {
+    let evidence = linearized(told, n_points);
+    let floor_per_m2 = LEAST_POINTS / evidence.weight;
     // Most scans tell everything, and that is seen at once.
     let sure = ObservabilitySettings { floor_per_m2: 2.0 * floor_per_m2, ratio: 0.01 };
-    Observability::unless_complete(&told, extent_m, &sure)?;
+    Observability::unless_complete(&evidence, extent_m, &sure)?;
     let rule = ObservabilitySettings { floor_per_m2, ..ObservabilitySettings::default() };
-    let mut shape = Observability::of(&told, extent_m, &rule);
-    let noise = shape.evidence_of(&pretended);
+    let mut shape = Observability::of(&evidence, extent_m, &rule);
+    let noise = shape.evidence_of(&told.pretended);
     for (k, seen) in shape.seen.iter_mut().enumerate() {
         *seen &= shape.evidence[k] > PRETENDED_TIMES * noise[k];
     }
     (!shape.is_complete() && !shape.is_empty()).then_some(shape)
 }
 
-/// Sums over all points; none where there is no line among them.
-fn told(points: &ScanPoints, ends_wall: impl Fn(usize, &Matrix2<f64>) -> bool) -> Option<Told> {
+/// Sums over all points; none where there is no line among them. `ends_wall` is asked of every point in turn.
+fn told(points: &[[f32; 2]], mut ends_wall: impl FnMut(usize, &Matrix2<f64>) -> bool) -> Option<Told> {
     let sums = running_sums(points);
     let windows = windows(points);
     let around: Vec<Option<Fit>> = windows.iter().map(|[first, end]| fit(&sums, *first, *end)).collect();
     let straight_m2 = STRAIGHT_DEVIATIONS.powi(2) * noise_m2(&around)?;
     let is_straight = |fit: &Fit| fit.mean_square_m2 <= straight_m2;
-    let mut told = Told { evidence: Matrix3::zeros(), pretended: Matrix3::zeros() };
+    let mut told = Told::default();
     let places = points.iter().zip(windows.iter().zip(around));
-    for (idx, ([x, y, _], ([first, end], around))) in places.enumerate() {
-        let arm = Matrix2x3::new(1.0, 0.0, -f64::from(y), 0.0, 1.0, f64::from(x));
+    for (idx, ([x, y], ([first, end], around))) in places.enumerate() {
+        let arm = Matrix2x3::new(1.0, 0.0, -f64::from(*y), 0.0, 1.0, f64::from(*x));
         // Around a corner neither line is bent.
         let side = || {
             let sides = [fit(&sums, *first, idx + 1), fit(&sums, idx, *end)].into_iter().flatten();
             sides.min_by(|one, other| one.mean_square_m2.total_cmp(&other.mean_square_m2)).filter(is_straight)
         };
-        let Some(line) = around.filter(is_straight).or_else(side) else {
+        let line = around.filter(is_straight).or_else(side);
+        let is_end = ends_wall(idx, &line.map_or_else(Matrix2::zeros, |line| line.across));
+        let Some(line) = line else {
             told.evidence += arm.transpose() * arm * 0.5;
             continue;
         };
         let along = Matrix2::identity() - line.across;
-        let end = if ends_wall(idx, &line.across) { END_POINTS } else { 0.0 };
+        let end = if is_end { END_POINTS } else { 0.0 };
         told.evidence += arm.transpose() * (line.across + along * end) * arm;
         told.pretended += arm.transpose() * along * arm * line.normal_rad2;
     }
@@ -107,12 +192,12 @@ fn noise_m2(fits: &[Option<Fit>]) -> Option<f64> {
 }
 
 /// Sums of x, y, x², xy, y² over the points before each.
-fn running_sums(points: &ScanPoints) -> Vec<[f64; 5]> {
+fn running_sums(points: &[[f32; 2]]) -> Vec<[f64; 5]> {
     let mut sum = [0.0; 5];
     let mut sums = Vec::with_capacity(points.len() + 1);
     sums.push(sum);
-    for [x, y, _] in points.iter() {
-        let [x, y] = [x, y].map(f64::from);
+    for [x, y] in points {
+        let [x, y] = [x, y].map(|v| f64::from(*v));
         sum.iter_mut().zip([x, y, x * x, x * y, y * y]).for_each(|(sum, more)| *sum += more);
         sums.push(sum);
     }
@@ -120,8 +205,8 @@ fn running_sums(points: &ScanPoints) -> Vec<[f64; 5]> {
 }
 
 /// The points that are looked at around each: the first, and the one after the last.
-fn windows(points: &ScanPoints) -> Vec<[usize; 2]> {
-    let at = |idx: usize| Some(Vector2::new(*points.x().get(idx)?, *points.y().get(idx)?));
+fn windows(points: &[[f32; 2]]) -> Vec<[usize; 2]> {
+    let at = |idx: usize| points.get(idx).map(|at| Vector2::from(*at));
     let is_near = |one: usize, other: usize| {
         let apart = at(one).zip(at(other)).map(|(one, other)| (one - other).norm_squared());
         apart.is_some_and(|m2| f64::from(m2) <= REACH_M * REACH_M)

@@ -97,7 +97,7 @@ impl FrontEnd {
             information: known(atlas, off_m, off_rad),
             half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
             first_gate_m: prediction.first_gate_m,
-            shape: scan.shape,
+            shape: scan.shape.as_ref(),
         };
         register(&self.table, scan, &expected, &atlas.settings.registration)
     }
@@ -126,7 +126,7 @@ impl FrontEnd {
                     information: known(atlas, off_m, HEADING_STEP_RAD),
                     half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
                     first_gate_m: FAR_GATE_M,
-                    shape: scan.shape,
+                    shape: scan.shape.as_ref(),
                 };
                 register(&self.table, scan, &expected, &atlas.settings.registration)
             });

@@ -124,7 +124,9 @@ impl Tracker {
             return;
         }
         self.n_loops += 1;
-        self.is_adrift = false;
+        if self.unsure_since.is_none_or(|since| found.place < since) {
+            self.is_placed_again();
+        }
         let end = self.atlas.frames.len();
         self.catch_up = [end.saturating_sub(CATCH_UP), end];
     }

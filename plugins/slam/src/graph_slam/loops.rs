@@ -128,6 +128,39 @@ impl LoopSearch {
         }
     }
 
+    /// The place among the first frames that fits best, as far around here as this.
+    pub fn around(
+        &mut self,
+        atlas: &Atlas,
+        lately: &[SurfacePoint],
+        n_first: usize,
+        (here, reach_m): (&Pose2, f64),
+        settings: &LoopSettings,
+    ) -> Option<Recognized> {
+        let off_m = |pose: &Pose2| (pose.translation.vector - here.translation.vector).norm();
+        let mut looked_at: Vec<Pose2> = Vec::new();
+        let mut best: Option<Recognized> = None;
+        for place in 0..n_first.min(atlas.frames.len()) {
+            let pose = atlas.pose(place);
+            let is_near =
+                |other: &Pose2| (other.translation.vector - pose.translation.vector).norm() < PLACES_APART_M;
+            if off_m(&pose) > reach_m || looked_at.iter().any(is_near) {
+                continue;
+            }
+            looked_at.push(pose);
+            let window = SearchWindow {
+                grid_from_base: pose.inverse() * here,
+                reach_m,
+                reach_rad: settings.reach_rad,
+                step_rad: 0.0,
+                least_score: best.as_ref().map_or(settings.least_score, |best| best.score),
+                most_nodes: MOST_NODES,
+            };
+            best = self.look(atlas, place, lately, &window, settings.most_rival).or(best);
+        }
+        best
+    }
+
     /// The place that fits best of all, wherever the robot may be.
     pub fn anywhere(
         &mut self,

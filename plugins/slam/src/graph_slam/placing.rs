@@ -4,9 +4,8 @@ use super::contradiction::{View, denied_share};
 use super::front_end::{Prediction, SURE_FIT};
 use super::point_table::thinned;
 use super::registration::Registered;
-use super::surface::Surface;
 use super::tracker::{Fit, Tracker};
-use crate::unseen::{SILENT_S, STANDING, Told, kept};
+use crate::unseen::{SILENT_S, STANDING, Told, is_unsure, kept, not_sharper};
 use nalgebra::Matrix3;
 use rumbo_core::time::Time;
 
@@ -18,6 +17,8 @@ const MOST_DENIED: f64 = 0.1;
 const SURELY_DENIED: f64 = 0.05;
 /// Nor is a place that was searched for in the whole map taken where more does: corners of buildings are alike.
 const HARDLY_DENIED: f64 = 0.03;
+/// Nor is one that a robot that did not know its way comes back to, of which it sees less.
+const SURE_OVERLAP: f64 = 0.95;
 /// Narrower views are not judged so: what a depth camera sees of low things changes with how far away they are, and a
 /// robot that waited for a good fit would have turned away from all that it could be registered on.
 const NARROW_RAD: f64 = std::f64::consts::FRAC_PI_2;
@@ -61,7 +62,12 @@ impl Tracker {
         };
         if let Some(found) = found {
             self.frame_from_base = found.reference_from_scan;
-            self.covariance = self.known_after(&found, surface, prediction);
+            self.covariance = self.known_after(&found, prediction);
+            let is_told = found.blind.is_none() || self.told_beside(prediction).by_wheels();
+            if !is_told && is_unsure(&self.covariance) {
+                self.unsure_since.get_or_insert(self.atlas.frames.len());
+                self.is_adrift = true;
+            }
             // A robot that was carried away must not settle where it fits least badly.
             let (least_fit, most_denied) = if is_narrow(view) {
                 (0.0, 1.0)
@@ -94,15 +100,20 @@ impl Tracker {
 
     /// What scan and prediction know together. Along directions that the scan cannot tell nothing corrects the prediction, whose
     /// errors add up.
-    fn known_after(&self, found: &Registered, surface: &Surface, prediction: &Prediction) -> Matrix3<f64> {
+    fn known_after(&self, found: &Registered, prediction: &Prediction) -> Matrix3<f64> {
         let information = found.information * self.settings.tie.believed_share;
         let [off_m, off_rad] = prediction.deviation;
         let known = nalgebra::Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
         let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
         let covariance = inverse.unwrap_or(self.covariance);
-        let Some(shape) = &surface.shape else { return covariance };
-        let seen = shape.turned(&found.reference_from_scan.rotation);
-        kept(&seen, &covariance, &self.covariance, self.told_beside(prediction))
+        let Some(seen) = &found.blind else {
+            return if self.unsure_since.is_some() {
+                not_sharper(&covariance, &self.covariance)
+            } else {
+                covariance
+            };
+        };
+        kept(seen, &covariance, &self.covariance, self.told_beside(prediction))
     }
 
     /// Who else knows the way since the scan before.
@@ -153,7 +164,8 @@ impl Tracker {
             self.covariance = covariance;
             return;
         }
-        (self.fit, self.n_missed, self.is_adrift) = (Fit::Placed, 0, false);
+        (self.fit, self.n_missed) = (Fit::Placed, 0);
+        self.is_placed_again();
         self.is_doubtful = false;
     }
 
@@ -162,9 +174,10 @@ impl Tracker {
         let here = Prediction::around(self.frame_from_base);
         let Some(found) = self.front.place(&self.atlas, view.surface, &here) else { return false };
         self.frame_from_base = found.reference_from_scan;
-        let is_sure = found.fit() >= SURE_FIT && self.denied_share(view) <= HARDLY_DENIED;
+        let is_told = self.unsure_since.is_none() || found.blind.is_none() && found.overlap >= SURE_OVERLAP;
+        let is_sure = is_told && found.fit() >= SURE_FIT && self.denied_share(view) <= HARDLY_DENIED;
         if is_sure {
-            self.covariance = self.known_after(&found, view.surface, &here);
+            self.covariance = self.known_after(&found, &here);
         }
         is_sure
     }

@@ -9,7 +9,7 @@ use super::nearest::NearestTable;
 use super::surface::{SurfacePoint, Turn};
 use nalgebra::{Matrix3, UnitComplex, Vector3};
 use rumbo_core::frames::{Pose2, pose2, wrap_angle};
-use rumbo_kit::scan_match::Observability;
+use rumbo_kit::scan_match::{Observability, ScanShape, ShapePoint};
 
 /// How surfaces are registered.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,7 +28,7 @@ pub(crate) struct RegistrationSettings {
 
 /// What is known before looking.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Expected {
+pub(crate) struct Expected<'a> {
     /// Where the scan is expected.
     pub reference_from_scan: Pose2,
     /// How surely, in the reference's axes; zero where nothing shall pull it there.
@@ -38,8 +38,8 @@ pub(crate) struct Expected {
     pub half_at: f64,
     /// Pairs may be so far apart at the beginning, meters.
     pub first_gate_m: f64,
-    /// What the scan tells by its own shape; along other directions no pair counts.
-    pub shape: Option<Observability>,
+    /// What the scan tells by its own shape: along directions that no point tells which lies on the reference, no pair counts.
+    pub shape: Option<&'a ScanShape>,
 }
 
 /// A scan in its place.
@@ -55,6 +55,8 @@ pub(crate) struct Registered {
     pub agreement: f64,
     /// Number of pairs.
     pub n_pairs: usize,
+    /// Directions, in the reference's axes, that what both know does not tell; none where it tells all.
+    pub blind: Option<Observability>,
 }
 
 impl Registered {
@@ -64,6 +66,9 @@ impl Registered {
     }
 }
 
+/// Points are known to the reference where it has a point this near, shares of how far apart pairs may be at the beginning.
+const KNOWN_SHARE: f64 = 0.5;
+
 const MOST_ROUNDS: usize = 25;
 /// A smaller step is the last one, meters and radians.
 const LEAST_STEP: f64 = 2e-4;
@@ -72,15 +77,18 @@ const LEAST_STEP: f64 = 2e-4;
 pub(crate) fn register(
     reference: &NearestTable,
     scan: &[SurfacePoint],
-    expected: &Expected,
+    expected: &Expected<'_>,
     settings: &RegistrationSettings,
 ) -> Option<Registered> {
     let prior = &expected.reference_from_scan;
     let mut pose = Vector3::new(prior.translation.x, prior.translation.y, prior.rotation.angle());
     let start = pose;
     let mut gate_m = expected.first_gate_m.max(settings.gate_m);
+    let known_m = KNOWN_SHARE * gate_m;
+    let blind = expected.shape.and_then(|shape| shape.blind_where(known_to(reference, prior, known_m)));
+    let blind_at = |pose: &Vector3<f64>| blind.map(|blind| blind.turned(&UnitComplex::new(pose.z)));
     for round in 0..MOST_ROUNDS {
-        let pull = Pull::at(reference, scan, &pose, gate_m, settings).told(expected, &pose);
+        let pull = Pull::at(reference, scan, &pose, gate_m, settings).told(blind_at(&pose));
         let mut off = pose - start;
         off.z = wrap_angle(off.z);
         let back = expected.information / (1.0 + off.dot(&(expected.information * off)) / expected.half_at);
@@ -99,14 +107,35 @@ pub(crate) fn register(
         }
         gate_m = (gate_m * 0.7).max(settings.gate_m);
     }
-    let pull = Pull::at(reference, scan, &pose, settings.gate_m, settings).told(expected, &pose);
+    let pull = Pull::at(reference, scan, &pose, settings.gate_m, settings).told(blind_at(&pose));
     Some(Registered {
         reference_from_scan: pose2(pose.x, pose.y, pose.z),
         information: pull.hessian,
         overlap: pull.n_pairs as f64 / scan.len().max(1) as f64,
         agreement: pull.weights / pull.n_pairs.max(1) as f64,
         n_pairs: pull.n_pairs,
+        blind: blind_at(&pose),
     })
+}
+
+/// Says of points of a scan that was taken here whether the reference has a point of the same surface within this distance.
+fn known_to(
+    reference: &NearestTable,
+    reference_from_scan: &Pose2,
+    within_m: f64,
+) -> impl Fn(&ShapePoint) -> bool {
+    let turn = Turn::new(reference_from_scan);
+    move |point| {
+        let at = turn.place(point.at);
+        reference.at(at).is_some_and(|near| {
+            let facing = point.normal.filter(|_| near.is_flat()).map_or(1.0, |normal| {
+                let normal = turn.direction(normal);
+                (normal[0] * near.normal[0] + normal[1] * near.normal[1]).abs()
+            });
+            let off_m = (near.at[0] - at[0]).hypot(near.at[1] - at[1]);
+            f64::from(off_m) <= within_m && facing >= LEAST_FACING
+        })
+    }
 }
 
 /// Sums over all pairs at one pose.
@@ -119,11 +148,10 @@ struct Pull {
 }
 
 impl Pull {
-    /// Without what pairs say along directions that the scan by its own shape cannot tell.
-    fn told(self, expected: &Expected, pose: &Vector3<f64>) -> Pull {
-        let Some(shape) = &expected.shape else { return self };
-        let shape = shape.turned(&UnitComplex::new(pose.z));
-        let (hessian, gradient) = shape.only_seen(&self.hessian, &self.gradient);
+    /// Without what pairs say along directions that cannot be told.
+    fn told(self, blind: Option<Observability>) -> Pull {
+        let Some(blind) = blind else { return self };
+        let (hessian, gradient) = blind.only_seen(&self.hessian, &self.gradient);
         Pull { hessian, gradient, ..self }
     }
 

@@ -13,7 +13,7 @@ use rumbo_core::seal::{Broken, Reader, Seal};
 use rumbo_core::time::Time;
 use rumbo_kit::pose_graph::{Constraint, RobustKernel};
 
-const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 5 };
+const SEAL: Seal = Seal { magic: *b"RUMBOGRF", version: 6 };
 
 /// Everything that the next scan depends on.
 pub(super) fn write(tracker: &Tracker) -> Vec<u8> {
@@ -65,6 +65,7 @@ fn put_robot(to: &mut Vec<u8>, tracker: &Tracker) {
         put_pose(to, turn);
     });
     put_count(to, usize::from(tracker.is_adrift));
+    put_some(to, tracker.unsure_since.as_ref(), |to, since| put_count(to, *since));
     put_count(to, usize::from(tracker.is_doubtful));
     put_some(to, tracker.saw_at.as_ref(), |to, stamp| to.extend(stamp.0.to_le_bytes()));
     put_count(to, tracker.fit as usize);
@@ -148,6 +149,7 @@ fn robot(from: &mut Reader<'_>, tracker: &mut Tracker) -> Option<()> {
     let newest = some(from, |from| Some((Time(from.i64()?), pose(from)?)))?;
     tracker.gyro = Gyro::go_on(run, newest);
     tracker.is_adrift = count(from)? != 0;
+    tracker.unsure_since = some(from, count)?;
     tracker.is_doubtful = count(from)? != 0;
     tracker.saw_at = some(from, |from| Some(Time(from.i64()?)))?;
     tracker.fit = match count(from)? {

@@ -2,7 +2,7 @@
 
 use rumbo_core::frames::{Pose2, Pose3};
 use rumbo_core::messages::LaserScan;
-use rumbo_kit::scan_match::{Observability, shape_of};
+use rumbo_kit::scan_match::{ScanShape, shape_of};
 use std::ops::Deref;
 
 /// A point of a surface.
@@ -40,8 +40,8 @@ impl SurfacePoint {
 pub(crate) struct Surface {
     /// In the base frame.
     pub points: Vec<SurfacePoint>,
-    /// What it tells by its own shape, where it does not tell all directions.
-    pub shape: Option<Observability>,
+    /// What it tells by its own shape, where it does not tell all directions many times over.
+    pub shape: Option<ScanShape>,
 }
 
 impl Deref for Surface {
@@ -56,15 +56,18 @@ impl Surface {
     /// Of a scan; roll and pitch of the sensor count.
     pub fn of(scan: &LaserScan, base_from_sensor: &Pose3, limits: &SurfaceLimits) -> Surface {
         let ranges_m = [limits.min_range_m, limits.max_range_m];
-        Surface {
-            points: surface_of(scan, base_from_sensor, limits),
-            shape: shape_of(scan, base_from_sensor, ranges_m),
+        let shape = shape_of(scan, base_from_sensor, ranges_m);
+        let mut points = surface_of(scan, base_from_sensor, limits);
+        if let Some(shape) = &shape {
+            put_on_lines(&mut points, shape, base_from_sensor);
         }
+        Surface { points, shape }
     }
 
     /// A place to begin from other than the expected one, but along directions that the scan cannot tell: there it would stay.
     pub fn start(&self, expected: &Pose2, start: &Pose2) -> Pose2 {
-        self.shape.map_or(*start, |shape| shape.turned(&expected.rotation).held(expected, start))
+        let blind = self.shape.as_ref().and_then(ScanShape::blind);
+        blind.map_or(*start, |blind| blind.turned(&expected.rotation).held(expected, start))
     }
 }
 
@@ -167,6 +170,20 @@ pub(crate) fn surface_of(
         Some(point_among(&around, at, noise_m, limits).facing(sensor))
     };
     placed.iter().enumerate().filter_map(point).collect()
+}
+
+/// Where few points tell the way along a wall, its others must not: those that are on no surface by its limits, but on a line by
+/// those of the scan's shape, face across that.
+fn put_on_lines(points: &mut [SurfacePoint], shape: &ScanShape, base_from_sensor: &Pose3) {
+    let sensor = [base_from_sensor.translation.x as f32, base_from_sensor.translation.y as f32];
+    let mut lines = shape.points().iter();
+    for point in points.iter_mut().filter(|point| !point.is_flat()) {
+        // Both are in order of bearing.
+        let Some(normal) = lines.find(|other| other.at == point.at).and_then(|other| other.normal) else {
+            continue;
+        };
+        *point = SurfacePoint { normal, ..*point }.facing(sensor);
+    }
 }
 
 /// Where readings are noisy, a point is moved onto the line through those around it.

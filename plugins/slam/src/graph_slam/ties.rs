@@ -49,7 +49,7 @@ impl Atlas {
             information: Matrix3::zeros(),
             half_at: 1.0,
             first_gate_m,
-            shape: scan.shape,
+            shape: scan.shape.as_ref(),
         };
         let found = register(&self.table, scan, &expected, &self.settings.registration)?;
         let off = expected.reference_from_scan.inverse() * found.reference_from_scan;

@@ -103,6 +103,8 @@ pub(super) struct Tracker {
     pub gyro: Gyro,
     /// It has come here without scans, and has met nothing since that it knew before.
     pub is_adrift: bool,
+    /// Nobody knew the way that scans did not show before this key frame was taken, and it has met nothing since that is older.
+    pub unsure_since: Option<usize>,
     /// It has come here nobody knows how, and no scan has clearly fitted since.
     pub is_doubtful: bool,
     /// When a scan last had enough points.
@@ -144,6 +146,7 @@ impl Tracker {
             odometry: OdometryHistory::default(),
             gyro: Gyro::default(),
             is_adrift: false,
+            unsure_since: None,
             is_doubtful: false,
             saw_at: None,
             before: None,
@@ -170,7 +173,7 @@ impl Tracker {
         self.map_from_frame() * self.frame_from_base
     }
 
-    fn map_from_frame(&self) -> Pose2 {
+    pub(super) fn map_from_frame(&self) -> Pose2 {
         self.atlas.graph.pose(self.front.frame).unwrap_or_else(Pose2::identity)
     }
 
@@ -196,7 +199,10 @@ impl Tracker {
         // Where a scan suddenly fits nowhere, the robot may have been carried away: no place for a key frame.
         let may_add = self.fit == Fit::Placed || self.fit == Fit::Guessed && was_blind && !self.is_doubtful;
         let is_due = may_add && has_points && self.is_key_frame();
-        if is_due && !(self.fit == Fit::Placed && !self.is_adrift && self.goes_on_from_known(&view)) {
+        let is_known = is_due && self.fit == Fit::Placed && {
+            self.meets_known(&view) || !self.is_adrift && self.goes_on_from_known(&view)
+        };
+        if is_due && !is_known {
             let frame = KeyFrame {
                 scan: scan.clone(),
                 base_from_sensor: *base_from_sensor,
@@ -232,7 +238,8 @@ impl Tracker {
     pub fn carry_to(&mut self, map_from_base: &Pose2, covariance: &Matrix3<f64>) {
         self.forget_motion();
         self.covariance = *covariance;
-        (self.fit, self.n_missed, self.is_adrift) = (Fit::Guessed, 0, false);
+        (self.fit, self.n_missed) = (Fit::Guessed, 0);
+        self.is_placed_again();
         self.is_doubtful = false;
         let off_m = |frame: &usize| {
             let off = self.atlas.pose(*frame).translation.vector - map_from_base.translation.vector;
@@ -245,6 +252,11 @@ impl Tracker {
         let frames = frames_of(&self.atlas, nearest);
         self.stand(nearest, self.atlas.pose(nearest).inverse() * map_from_base, &frames);
         self.covariance = turned_into(&self.atlas.pose(nearest), covariance);
+    }
+
+    /// It is where it was seen before, or somebody says where.
+    pub(super) fn is_placed_again(&mut self) {
+        (self.is_adrift, self.unsure_since) = (false, None);
     }
 
     /// Nobody knows where the robot is; it looks for itself at the next scan.

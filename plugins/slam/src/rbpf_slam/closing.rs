@@ -8,10 +8,11 @@ mod places;
 mod sheet;
 
 use super::archive::Archive;
+use crate::graph_slam::nearest::NearestTable;
 use crate::graph_slam::place_search::{Belief, PlaceSearch, apart_from};
 use crate::graph_slam::point_table::thinned;
-use crate::graph_slam::registration::RegistrationSettings;
-use crate::graph_slam::surface::{SurfaceLimits, SurfacePoint};
+use crate::graph_slam::registration::{Expected, RegistrationSettings, register};
+use crate::graph_slam::surface::{Surface, SurfaceLimits, SurfacePoint};
 use nalgebra::Matrix3;
 use places::{TRUSTED_WAY_M, along, around, places_of};
 use rumbo_core::frames::Pose2;
@@ -39,6 +40,15 @@ impl ClosingSettings {
     }
 }
 
+/// A robot that nobody told how far it went.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Adrift {
+    /// The first step that it took so.
+    pub since: usize,
+    /// Places that it saw before may be so far from where they seem to be, meters.
+    pub reach_m: f64,
+}
+
 /// A place that the robot has come back to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Recognized {
@@ -57,6 +67,8 @@ const LEAST_REACH_M: f64 = 1.0;
 /// near, meters and radians.
 const KNOWN_PLACES_M: f64 = 3.0;
 const KNOWN_REACH: [f64; 2] = [0.4, 0.1];
+/// So large a share of a scan lies on what was seen before where it was taken from the same place.
+const SURE_OVERLAP: f64 = 0.95;
 /// So far to each side turned, radians.
 const REACH_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 /// A place elsewhere must fit less than this share of the best one.
@@ -70,6 +82,7 @@ const MOST_NODES: usize = 400_000;
 #[derive(Debug, Default)]
 pub struct Closing {
     search: PlaceSearch,
+    table: NearestTable,
 }
 
 impl Closing {
@@ -79,18 +92,26 @@ impl Closing {
         &mut self,
         archive: &Archive,
         way: &[Pose2],
+        adrift: Option<Adrift>,
         settings: &ClosingSettings,
     ) -> Option<Recognized> {
         let here = way.len().checked_sub(1)?;
-        let ways_m = archive.ways_from(here, way);
-        let reaches_m: Vec<f64> = ways_m.iter().map(|way_m| settings.reach_m(*way_m)).collect();
+        let mut ways_m = archive.ways_from(here, way);
+        let mut reaches_m: Vec<f64> = ways_m.iter().map(|way_m| settings.reach_m(*way_m)).collect();
+        if let Some(Adrift { since, reach_m }) = adrift {
+            // Nobody knows the way to what was before.
+            ways_m.iter_mut().take(since).for_each(|way_m| *way_m = f64::INFINITY);
+            let within_m = reach_m.min(settings.most_reach_m);
+            reaches_m.iter_mut().take(since).for_each(|reach| *reach = reach.max(within_m));
+        }
         let places = places_of(archive, way, &ways_m, &|step| reaches_m.get(step).map_or(0.0, |m| m + 1.0));
         if places.is_empty() {
             return None;
         }
-        let oldest = way.len().saturating_sub(N_LATELY);
+        let since = adrift.map_or(0, |adrift| adrift.since);
+        let oldest = way.len().saturating_sub(N_LATELY).max(since);
         let lately = thinned(surfaces(archive, way, oldest..way.len(), here, &settings.limits).into_iter());
-        let seen = Seen { archive, way, settings, lately, reaches_m };
+        let seen = Seen { archive, way, settings, lately, reaches_m, since };
         // Where the robot believes that it is, it is, unless it fits clearly better elsewhere.
         let known = self.known(&seen);
         let least_score =
@@ -104,6 +125,38 @@ impl Closing {
             known.filter(|known| ways_m.get(known.place).is_some_and(|way_m| *way_m > TRUSTED_WAY_M))?;
         let window = seen.window(known.place, None, MOST_RIVAL * known.score)?;
         self.look(&seen, known.place, &window, Some(MOST_RIVAL))
+    }
+
+    /// What the newest step sees lies, where the robot believes that it is, on what was seen there before this step, and that tells
+    /// all directions.
+    pub(crate) fn lies_on(
+        &mut self,
+        surface: &Surface,
+        archive: &Archive,
+        way: &[Pose2],
+        before: usize,
+        settings: &ClosingSettings,
+    ) -> bool {
+        let Some((here, last)) = way.len().checked_sub(1).zip(way.last()) else { return false };
+        let off_m = |pose: &Pose2| (pose.translation.vector - last.translation.vector).norm();
+        let near =
+            way.iter().take(before).map(off_m).enumerate().filter(|(_, off_m)| *off_m <= KNOWN_PLACES_M);
+        let Some((place, _)) = near.min_by(|(_, a), (_, b)| a.total_cmp(b)) else { return false };
+        let steps = around(archive, way, place).filter(|step| *step < before);
+        self.table.fill(surfaces(archive, way, steps, here, &settings.limits).into_iter());
+        let expected = Expected {
+            reference_from_scan: Pose2::identity(),
+            information: Matrix3::zeros(),
+            first_gate_m: KNOWN_REACH[0],
+            half_at: 1.0,
+            shape: surface.shape.as_ref(),
+        };
+        register(&self.table, surface, &expected, &settings.registration).is_some_and(|found| {
+            let is_near = found.reference_from_scan.translation.vector.norm() <= KNOWN_REACH[0];
+            let fits = found.overlap >= settings.least_overlap.max(SURE_OVERLAP)
+                && found.agreement >= settings.least_agreement;
+            is_near && fits && found.blind.is_none()
+        })
     }
 
     /// Where the robot believes that it is, seen from the earlier visit that it fits best.
@@ -142,8 +195,10 @@ impl Closing {
         window: &SearchWindow,
         most_rival: Option<f64>,
     ) -> Option<Recognized> {
-        let Seen { archive, way, settings, lately, .. } = seen;
-        let sheet = surfaces(archive, way, around(archive, way, place), place, &settings.limits);
+        let Seen { archive, way, settings, lately, since, .. } = seen;
+        // What was seen lately says nothing of itself.
+        let steps = around(archive, way, place).filter(|step| place >= *since || step < since);
+        let sheet = surfaces(archive, way, steps, place, &settings.limits);
         let ClosingSettings { registration, least_overlap, least_agreement, .. } = **settings;
         let belief = Belief { registration, least_overlap, least_agreement };
         let found = self.search.find(&sheet, lately, window, most_rival, &belief)?;
@@ -165,6 +220,8 @@ struct Seen<'a> {
     lately: Vec<SurfacePoint>,
     /// From each step.
     reaches_m: Vec<f64>,
+    /// What was seen lately is from this step on.
+    since: usize,
 }
 
 impl Seen<'_> {

@@ -201,7 +201,7 @@ impl Follower {
             information: covariance.try_inverse()? / self.settings.believed_share,
             first_gate_m: (2.0 * off_m + 10.0 * off_rad).clamp(0.3, 0.5),
             half_at: f64::INFINITY,
-            shape: surface.shape,
+            shape: surface.shape.as_ref(),
         };
         register(&self.table, surface, &expected, &self.settings.registration)
     }
@@ -214,7 +214,7 @@ impl Follower {
         placed: Option<&Registered>,
         since_step: &Step,
         motion: &MotionNoise,
-        shape: Option<&Observability>,
+        blind: Option<&Observability>,
     ) -> Followed {
         let by_odometer = motion.covariance(&Pose2::identity(), since_step);
         let by_odometer = by_odometer * doubt(&since_step.before_from_after, step_from_base, &by_odometer);
@@ -225,13 +225,12 @@ impl Follower {
             (placed.information * self.settings.spread_share + known).try_inverse()
         });
         let mut covariance = both.map_or(by_odometer, |both| both + floor);
-        if let Some(shape) = shape {
-            let shape = shape.turned(&step_from_base.rotation);
+        if let Some(blind) = blind {
+            let seen = blind.turned(&step_from_base.rotation);
             let way = &since_step.before_from_after;
-            let (way_m, turn_m) =
-                (way.translation.vector.norm(), shape.extent_m * way.rotation.angle().abs());
+            let (way_m, turn_m) = (way.translation.vector.norm(), seen.extent_m * way.rotation.angle().abs());
             let least_m2 = since_step.stray[0] + off_m * off_m;
-            covariance = shape.with_blind(&covariance, |blind| {
+            covariance = seen.with_blind(&covariance, |blind| {
                 let moved_m = blind.xy().norm() * way_m + blind.z.abs() * turn_m;
                 (self.settings.blind_way * moved_m).powi(2) + least_m2
             });

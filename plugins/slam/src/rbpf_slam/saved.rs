@@ -17,7 +17,7 @@ use rumbo_core::time::Time;
 use rumbo_kit::streams::Streams;
 use rumbo_kit::tile_map::TileCode;
 
-const SEAL: Seal = Seal { magic: *b"RUMBORBP", version: 2 };
+const SEAL: Seal = Seal { magic: *b"RUMBORBP", version: 3 };
 
 fn put(bytes: &mut Vec<u8>, numbers: &[f64]) {
     numbers.iter().for_each(|v| bytes.extend(v.to_le_bytes()));

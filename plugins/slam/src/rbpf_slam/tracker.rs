@@ -84,6 +84,9 @@ pub struct Tracker {
     pub(super) way_unmatched_m: f64,
     /// The way since a lost robot was found, while that is not proven, meters.
     pub(super) proven_m: Option<f64>,
+    /// Nobody knew how far the robot went between these steps of the filter and the one before, and it has come to no place since
+    /// that it saw earlier.
+    pub(super) adrift_since: Option<usize>,
     closing: Closing,
     points: ScanPoints,
     waiting: VecDeque<Observation>,
@@ -113,6 +116,7 @@ impl Tracker {
             n_unmatched: 0,
             way_unmatched_m: 0.0,
             proven_m: None,
+            adrift_since: None,
             closing: Closing::default(),
             points: ScanPoints::default(),
             waiting: VecDeque::new(),
@@ -131,6 +135,7 @@ impl Tracker {
         (self.step_stamp, self.step_from_base) = (Time::default(), Pose2::identity());
         (self.since_step, self.covariance) = (Step::default(), *covariance);
         (self.n_unmatched, self.way_unmatched_m, self.proven_m) = (0, 0.0, None);
+        self.adrift_since = None;
         self.may_be_another_clock = false;
         self.waiting.clear();
     }
@@ -154,7 +159,7 @@ impl Tracker {
         self.step_from_base = Pose2::identity();
         self.since_step = Step { stray: [deviation(0).max(deviation(1)), deviation(2)], ..Step::default() };
         (self.covariance, self.n_unmatched, self.way_unmatched_m) = (*covariance, 0, 0.0);
-        self.proven_m = None;
+        (self.proven_m, self.adrift_since) = (None, None);
         self.odometer.forget();
         self.waiting.clear();
         self.may_be_another_clock = true;

@@ -64,7 +64,10 @@ impl ScanTracker {
     pub(super) fn may_insert(&self) -> bool {
         match self.status {
             MatchStatus::Ok => true,
-            MatchStatus::Degenerate => self.blind_deviation_m <= MOST_BLIND_DEVIATION_M,
+            MatchStatus::Degenerate => {
+                // What is seen for the first time shows the way from now on.
+                self.shows_all() || self.blind_deviation_m <= MOST_BLIND_DEVIATION_M
+            }
             MatchStatus::LowOverlap => {
                 let is_on_new_ground = self.is_lost() && self.look.n_in_vain > 0 && !self.look.is_anywhere;
                 self.way_without_match_m <= self.settings.explore_grace_m || is_on_new_ground

@@ -1,8 +1,12 @@
 //! Where the robot is by a scan: near the prediction, else near that, else anywhere on the map.
 
+use super::reckoning::is_on;
 use super::tracker::{ScanTracker, Tracked};
+use crate::unseen::KNOWN_M;
 use rumbo_core::frames::Pose2;
-use rumbo_kit::scan_match::{MatchStatus, PosePrior, ScanMatch, levels_of, levels_within, match_scan};
+use rumbo_kit::scan_match::{
+    MatchStatus, PosePrior, ScanMatch, drawn_near, levels_of, levels_within, match_scan,
+};
 
 /// What came of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +43,7 @@ impl ScanTracker {
             let here = self.match_here(predicted);
             // Beyond the largest cells a match ends where it begins to fit: it must stand against the best place around.
             if here.status.is_match() && !self.is_beyond_levels() {
-                return here;
+                return self.look_back(predicted, &here).unwrap_or(here);
             }
             status = here.status;
             let near = self.look_near(predicted).filter(|near| !fits_better(&here, near));
@@ -59,8 +63,10 @@ impl ScanTracker {
         none(status)
     }
 
-    fn match_here(&self, predicted: &Tracked) -> Located {
+    fn match_here(&mut self, predicted: &Tracked) -> Located {
         let start = &predicted.map_from_base;
+        let within_m = KNOWN_M.max(self.likely_reach_m());
+        self.points.count_where(drawn_near(&levels_of(&self.levels), start, within_m));
         let here = self.match_from(start, Some(predicted), self.doubt() * self.likely_reach_m());
         if here.status.is_match() { here } else { self.match_from(start, Some(predicted), f64::INFINITY) }
     }
@@ -79,6 +85,27 @@ impl ScanTracker {
         self.found_at(&place)
     }
 
+    /// A robot that did not know its way sees something that is not drawn where it may be, but elsewhere as near as that.
+    fn look_back(&mut self, predicted: &Tracked, here: &Located) -> Option<Located> {
+        let levels = self.sure_levels.clone().filter(|_| here.status == MatchStatus::Degenerate)?;
+        if !self.shows_all() {
+            return None;
+        }
+        let way_m = 2.0 * predicted.covariance.diagonal().xy().max().max(0.0).sqrt();
+        let [near_m, turn_rad] = self.settings.near_reach;
+        let reach = [way_m.clamp(near_m, 4.0 * near_m), turn_rad];
+        let place = self.places.near(&levels, &self.points, &predicted.map_from_base, reach)?;
+        let back = self.found_at(&place)?;
+        back.found.as_ref().filter(|found| is_on(&levels, &self.points, &found.map_from_base))?;
+        self.counters.found_near += 1;
+        Some(back)
+    }
+
+    /// The scan by itself tells all directions.
+    pub(super) fn shows_all(&self) -> bool {
+        self.points.shape().is_none_or(|shape| shape.blind().is_none())
+    }
+
     fn look_everywhere(&mut self) -> Option<Located> {
         let doublings = self.look.n_in_vain.min(MOST_DOUBLINGS);
         self.look.wait_scans = self.settings.look_every_scans.max(1).saturating_mul(1 << doublings) - 1;
@@ -88,7 +115,8 @@ impl ScanTracker {
     }
 
     /// The match at a place that was searched for, if it sees all directions and fits.
-    fn found_at(&self, place: &Pose2) -> Option<Located> {
+    fn found_at(&mut self, place: &Pose2) -> Option<Located> {
+        self.points.count_where(|_| true);
         let located = self.match_from(place, None, f64::INFINITY);
         (located.status == MatchStatus::Ok).then_some(Located { is_searched: true, ..located })
     }

@@ -2,13 +2,17 @@
 
 use super::motion::Step;
 use super::tracker::{ScanTracker, Tracked};
-use crate::unseen::{STANDING, Told};
+use crate::unseen::{KNOWN_M, STANDING, Told, is_unsure, not_sharper};
 use nalgebra::{Matrix3, Rotation2};
 use rumbo_core::frames::Pose2;
+use rumbo_core::map::Map;
 use rumbo_core::time::Time;
+use rumbo_kit::scan_match::{ScanMatch, ScanPoints, ShapePoint, drawn_along, drawn_near, levels_of};
 
 /// Without a scan for so long the robot is not followed any more but reckoned, seconds.
 const BLIND_AFTER_S: f64 = 1.0;
+/// A robot is where a map shows it if so large a share of what it sees is drawn there.
+const LEAST_KNOWN: f64 = 0.9;
 
 impl Tracked {
     /// After this step, by which the covariance has grown.
@@ -39,6 +43,28 @@ impl ScanTracker {
         state.after(&step, &grown, now)
     }
 
+    /// A covariance after a scan. Where nobody tells the way, the map as it is now is kept aside: on what is drawn from then on the
+    /// robot finds its way, but not where it is on the rest.
+    pub(super) fn unless_adrift(
+        &mut self,
+        found: &ScanMatch,
+        covariance: Matrix3<f64>,
+        told: Told,
+    ) -> Matrix3<f64> {
+        if let Some(levels) = &self.sure_levels {
+            if is_on(levels, &self.points, &found.map_from_base) {
+                self.sure_levels = None;
+                return covariance;
+            }
+            let before = self.state.map_or(covariance, |state| state.covariance);
+            return if found.seen.is_complete() { not_sharper(&covariance, &before) } else { covariance };
+        }
+        if !found.seen.is_complete() && !told.by_wheels() && is_unsure(&covariance) {
+            self.sure_levels = Some(self.levels.clone());
+        }
+        covariance
+    }
+
     /// What was known before, and who else knows the way since then.
     pub(super) fn told_beside(&self, predicted: &Tracked) -> (Matrix3<f64>, Told) {
         // The prediction has the wheels' errors in it, and what somebody has said.
@@ -52,6 +78,17 @@ impl ScanTracker {
         let stands = step.translation.vector.norm() < STANDING && step.rotation.angle().abs() < STANDING;
         if stands { (state.covariance, known.1) } else { known }
     }
+}
+
+/// Most of the scan lies on what is drawn, and that tells all directions.
+pub(super) fn is_on(levels: &Map, points: &ScanPoints, map_from_base: &Pose2) -> bool {
+    let levels = levels_of(levels);
+    let is_known = drawn_near(&levels, map_from_base, KNOWN_M);
+    let is_proven = drawn_along(&levels, map_from_base, KNOWN_M);
+    let n_known =
+        points.iter().filter(|[x, y, _]| is_known(&ShapePoint { at: [*x, *y], normal: None })).count();
+    let is_told = || points.shape().is_none_or(|shape| shape.blind_where(&is_proven).is_none());
+    n_known as f64 >= LEAST_KNOWN * points.len() as f64 && is_told()
 }
 
 /// Turns covariances of the base's axes into the map's.

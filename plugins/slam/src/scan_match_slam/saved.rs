@@ -13,7 +13,7 @@ use rumbo_core::time::Time;
 use rumbo_kit::occupancy::UpdateGate;
 use rumbo_kit::scan_match::SurfaceMap;
 
-const SEAL: Seal = Seal { magic: *b"RUMBOSMS", version: 3 };
+const SEAL: Seal = Seal { magic: *b"RUMBOSMS", version: 4 };
 
 /// Everything that the next scan depends on; none before the first scan.
 pub fn save(tracker: &ScanTracker) -> Option<Vec<u8>> {
@@ -41,9 +41,9 @@ pub fn save(tracker: &ScanTracker) -> Option<Vec<u8>> {
     });
     put_all(to, &tracker.trajectory, put_stamped);
     put_grid(to, drawn);
-    let grids: Vec<&Grid> = levels.grid.iter().chain(&levels.coarse_grids).collect();
-    put_all(to, &grids, |to, grid| put_grid(to, grid));
+    put_levels(to, levels);
     put_some(to, tracker.surfaces.as_ref(), put_surfaces);
+    put_some(to, tracker.sure_levels.as_ref(), put_levels);
     Some(Seal::close(bytes))
 }
 
@@ -84,18 +84,16 @@ fn read(from: &mut Reader<'_>, settings: TrackerSettings) -> Option<ScanTracker>
     })?;
     tracker.trajectory = all(from, |from| Some((Time(from.i64()?), pose(from)?)))?;
     let drawn = Map { grid: Some(grid(from)?), ..Map::default() };
-    let mut grids = all(from, grid)?;
-    if grids.is_empty() {
-        return None;
-    }
-    let coarse = grids.split_off(1);
-    tracker.levels = Map { grid: grids.pop(), coarse_grids: coarse, ..Map::default() };
+    tracker.levels = levels(from)?;
     let fits = tracker.mapper.pyramid().fits(&tracker.levels) && tracker.drawer.pyramid().fits(&drawn);
     tracker.drawn = drawn.grid;
     let finest = tracker.levels.grid.as_ref()?;
     let empty = SurfaceMap::new(finest.resolution_m(), finest.grid_from_map());
     let saved = some(from, surfaces)?;
     tracker.surfaces = tracker.settings.polish.is_some().then(|| saved.unwrap_or(empty));
+    tracker.sure_levels = some(from, levels)?;
+    let fits =
+        fits && tracker.sure_levels.as_ref().is_none_or(|levels| tracker.mapper.pyramid().fits(levels));
     fits.then_some(tracker)
 }
 
@@ -186,6 +184,17 @@ fn put_grid(bytes: &mut Vec<u8>, grid: &Grid) {
     put(bytes, &[header.resolution_m, header.occupied_above.into(), header.free_below.into()]);
     put(bytes, &header.origin);
     bytes.extend(grid.cells.iter().flat_map(|cell| cell.to_le_bytes()));
+}
+
+fn put_levels(bytes: &mut Vec<u8>, levels: &Map) {
+    let grids: Vec<&Grid> = levels.grid.iter().chain(&levels.coarse_grids).collect();
+    put_all(bytes, &grids, |bytes, grid| put_grid(bytes, grid));
+}
+
+fn levels(from: &mut Reader<'_>) -> Option<Map> {
+    let mut grids = all(from, grid)?;
+    let coarse_grids = grids.split_off(usize::from(!grids.is_empty()));
+    Some(Map { grid: Some(grids.pop()?), coarse_grids, ..Map::default() })
 }
 
 fn put_surfaces(bytes: &mut Vec<u8>, surfaces: &SurfaceMap) {

@@ -4,7 +4,7 @@ use super::locating::{Located, Look};
 use super::motion::Motion;
 use super::place_search::PlaceSearch;
 use super::settings::{Counters, TrackerSettings};
-use crate::unseen::kept;
+use crate::unseen::{Told, kept};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::Pose2;
 use rumbo_core::map::{Grid, GridFault, Map};
@@ -60,6 +60,9 @@ pub struct ScanTracker {
     pub(super) drawer: ScanMapper,
     /// That map as it is between updates: what a save needs, which does not see it. Shares its cells.
     pub(super) drawn: Option<Grid>,
+    /// The levels as they were when nobody knew any more how far the robot went between bare walls, until it is seen on them
+    /// again.
+    pub(super) sure_levels: Option<Map>,
     pub(super) look: Look,
     pub(super) points: ScanPoints,
     pub(super) places: PlaceSearch,
@@ -91,6 +94,7 @@ impl ScanTracker {
             surfaces: None,
             drawer: ScanMapper::new(settings.drawing()),
             drawn: None,
+            sure_levels: None,
             look: Look::default(),
             points: ScanPoints::default(),
             places: PlaceSearch::new(settings.places),
@@ -117,6 +121,7 @@ impl ScanTracker {
         self.n_without_match = if place.is_some() { 0 } else { self.settings.lost_after_scans.max(1) };
         self.look = Look { is_anywhere: place.is_none(), ..Look::default() };
         self.pending = place;
+        self.sure_levels = None;
         self.forget_clock();
     }
 
@@ -242,11 +247,13 @@ impl ScanTracker {
         let tracked = if is_searched {
             // The robot is not where it was thought to be: the way there is no motion, and the guess knew nothing.
             self.motion.begin(predicted.stamp, &found.map_from_base);
-            Tracked { map_from_base: found.map_from_base, covariance: found.covariance, ..predicted }
+            let covariance =
+                self.unless_adrift(&found, found.covariance, Told::ByWheels { deviation_m: 0.0 });
+            Tracked { map_from_base: found.map_from_base, covariance, ..predicted }
         } else {
             let together = fused(&predicted.covariance, &found.covariance);
             let (before, told) = self.told_beside(&predicted);
-            let covariance = kept(&found.seen, &together, &before, told);
+            let covariance = self.unless_adrift(&found, kept(&found.seen, &together, &before, told), told);
             Tracked { map_from_base: found.map_from_base, covariance, ..predicted }
         };
         self.n_without_match = 0;

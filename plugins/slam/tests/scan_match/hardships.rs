@@ -183,18 +183,36 @@ fn wheels_that_spin_in_place() {
     }
 }
 
-/// Eight meters between two walls whose ends nobody sees, a meter a second: what each plugin says, and how far off it is.
+/// Two walls whose ends nobody sees, and who stands between them: a body half a meter wide.
+fn bare_walls(bodies: &[[f64; 2]]) -> LoopWorld {
+    let mut walls = vec![[-60.0, -1.0, 60.0, -1.0], [-60.0, 1.0, 60.0, 1.0]];
+    for [x, y] in bodies {
+        let [left, right, near, far] = [y + 0.25, y - 0.25, x - 0.15, x + 0.15];
+        walls.extend([[near, right, near, left], [far, right, far, left]]);
+        walls.extend([[near, right, far, right], [near, left, far, left]]);
+    }
+    LoopWorld::of(walls)
+}
+
+/// Eight meters between bare walls, a meter a second: what each plugin says, and how far off it is.
 fn between_bare_walls(
     has_wheels: impl Fn(i32) -> bool,
     judge: impl Fn(&str, i32, &Estimate, &Pose2),
 ) -> Vec<(&'static str, Mapper)> {
-    let world = LoopWorld::of(vec![[-60.0, -1.0, 60.0, -1.0], [-60.0, 1.0, 60.0, 1.0]]);
+    between(&|_| bare_walls(&[]), has_wheels, judge)
+}
+
+fn between(
+    world: &dyn Fn(i32) -> LoopWorld,
+    has_wheels: impl Fn(i32) -> bool,
+    judge: impl Fn(&str, i32, &Estimate, &Pose2),
+) -> Vec<(&'static str, Mapper)> {
     let drive = |(name, mut mapper): (&'static str, Mapper)| {
         let mut rng = stream(10);
         for k in 0..=80 {
             let (time_s, truth) = (1.0 + 0.1 * f64::from(k), pose2(0.1 * f64::from(k), 0.0, 0.0));
             let odometry = Odometry { odom_from_base: truth, ..Odometry::default() };
-            let mut seen = vec![laser(time_s, world.scan(&truth, &mut rng))];
+            let mut seen = vec![laser(time_s, world(k).scan(&truth, &mut rng))];
             if has_wheels(k) {
                 seen.insert(0, observation(0, time_s, Data::Odometry(odometry)));
             }
@@ -261,4 +279,75 @@ fn wheels_that_fall_silent_between_bare_walls_make_nobody_sure() {
             );
         },
     );
+}
+
+/// Somebody whom nobody has seen before looks like a way to tell how far it is, and is none.
+#[test]
+fn people_who_step_out_between_bare_walls_hold_nobody_back() {
+    let steps_out = |k: i32| match k {
+        5..=17 => bare_walls(&[[4.3, 0.5]]),
+        22..=40 => bare_walls(&[[7.1, -0.6]]),
+        46..=57 => bare_walls(&[[8.2, 0.4]]),
+        63..=75 => bare_walls(&[[9.6, -0.4]]),
+        _ => bare_walls(&[]),
+    };
+    between(
+        &steps_out,
+        |_| true,
+        |name, k, estimate, off| {
+            let (off_m, deviation_m) = (off.translation.x.abs(), estimate.covariance2()[(0, 0)].sqrt());
+            assert_eq!(estimate.status, Status::Tracking, "{name}: {k}");
+            assert!(off_m < (3.0 * deviation_m).max(0.1), "{name}: {k} {off}, {deviation_m} m");
+            assert!(off_m < 0.5 && deviation_m < 0.4, "{name}: {k} {off}, {deviation_m} m");
+        },
+    );
+}
+
+/// Somebody stands there once nobody knows the way any more: beside him the robot finds its way, and not on the map.
+#[test]
+fn somebody_between_bare_walls_makes_nobody_sure_who_was_not() {
+    let stands = |k: i32| if k <= 30 { bare_walls(&[]) } else { bare_walls(&[[9.5, 0.5]]) };
+    between(
+        &stands,
+        |_| false,
+        |name, k, estimate, off| {
+            let deviation_m = estimate.covariance2()[(0, 0)].sqrt();
+            assert!(k <= 12 || estimate.status == Status::Converging, "{name}: {k} {:?}", estimate.status);
+            assert!(
+                k < 3 || off.translation.x.abs() < 3.0 * deviation_m,
+                "{name}: {k} {off}, {deviation_m} m"
+            );
+        },
+    );
+}
+
+/// A laser that sees six meters, between walls with one end: back to where that is not seen, and there again, without wheels.
+#[test]
+fn who_comes_back_to_what_was_mapped_before_is_sure_again() {
+    let world = LoopWorld::of(vec![[-60.0, -1.0, 3.0, -1.0], [-60.0, 1.0, 3.0, 1.0], [3.0, -1.0, 3.0, 1.0]]);
+    for (name, mut mapper) in mappers(Pose2::identity()) {
+        let mut rng = stream(11);
+        let mut last = None;
+        for k in 0..=160i32 {
+            let at_m = -0.05 * f64::from(if k <= 80 { k } else { 160 - k });
+            let truth = pose2(at_m, 0.0, 0.0);
+            let mut scan = world.scan(&truth, &mut rng);
+            scan.ranges_m
+                .make_mut()
+                .iter_mut()
+                .filter(|range_m| **range_m > 6.0)
+                .for_each(|range_m| *range_m = f32::INFINITY);
+            scan.max_range_m = 6.0;
+            let estimate = mapper.see(&[laser(1.0 + 0.1 * f64::from(k), scan)]);
+            let (off, deviation_m) =
+                (truth.inverse() * estimate.pose2(), estimate.covariance2()[(0, 0)].sqrt());
+            let off_m = off.translation.x.abs();
+            assert!(off_m < (3.0 * deviation_m).max(0.15), "{name}: {k} {off}, {deviation_m} m");
+            assert!(k != 90 || estimate.status == Status::Converging, "{name}: {:?}", estimate.status);
+            last = Some((estimate, off));
+        }
+        let (estimate, off) = last.unwrap();
+        let knows = estimate.status == Status::Tracking && off.translation.x.abs() < 0.15;
+        assert!(knows, "{name}: {:?} {off}", estimate.status);
+    }
 }

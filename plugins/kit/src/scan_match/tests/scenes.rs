@@ -11,7 +11,7 @@ pub struct Scene {
     pub resolution_m: f64,
     pub map_from_level: Pose2,
     pub points: ScanPoints,
-    walls: Vec<[f64; 4]>,
+    pub walls: Vec<[f64; 4]>,
 }
 
 impl Scene {

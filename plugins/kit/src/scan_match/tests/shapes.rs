@@ -1,6 +1,7 @@
 //! What a scan tells by its own shape, against places of which that is known.
 
 use super::*;
+use crate::GridSize;
 use crate::scan_odometry::tests::{Wall, corridor, seen};
 use rumbo_core::frames::Pose3;
 use rumbo_core::messages::LaserScan;
@@ -9,7 +10,7 @@ use rumbo_core::rng;
 const RANGES_M: [f64; 2] = [0.1, 40.0];
 
 fn shape(scan: &LaserScan) -> Option<Observability> {
-    shape_of(scan, &Pose3::identity(), RANGES_M)
+    shape_of(scan, &Pose3::identity(), RANGES_M)?.blind()
 }
 
 /// Of twenty scans from here, so many do not tell all directions.
@@ -120,6 +121,31 @@ fn scans_without_lines_or_points_tell_all_that_they_tell() {
     assert_eq!(shape(&few), None);
 }
 
+/// Somebody stands in the corridor, where nothing is drawn: only of what is drawn the scan tells where it is.
+#[test]
+fn what_is_seen_for_the_first_time_tells_no_way() {
+    let bare = Scene::corridor(0.05);
+    let mut walls: Vec<Wall> = bare.walls.iter().map(|[ax, ay, bx, by]| [[*ax, *ay], [*bx, *by]]).collect();
+    walls.extend([[[3.0, -0.3], [3.4, -0.3]], [[3.0, -0.3], [3.0, 0.2]], [[3.0, 0.2], [3.4, 0.2]]]);
+    let at = pose2(0.0, 0.0, 0.1);
+    let scan = seen(&walls, &at, 361, 0.01, &mut rng::stream(4, "shapes"));
+    assert_eq!(shape(&scan), None, "by itself it tells all");
+    let told = shape_of(&scan, &Pose3::identity(), RANGES_M).unwrap();
+    let levels = [bare.level()];
+    for blind in
+        [told.blind_where(drawn_near(&levels, &at, 0.15)), told.blind_where(drawn_along(&levels, &at, 0.15))]
+    {
+        let blind = blind.unwrap();
+        assert_eq!(blind.seen, [false, true, true], "{blind:?}");
+        assert!((blind.directions.column(0)[0]).abs() > 0.99, "{blind:?}");
+    }
+    let no_cells = GridLevel::new(&[], GridSize::new(0, 0), 0.05, pose2(0.0, 0.0, 0.0)).unwrap();
+    assert_eq!(told.blind_where(drawn_near(&[no_cells], &at, 0.15)), None);
+    assert_eq!(told.blind_where(drawn_near::<GridLevel<'_>>(&[], &at, 0.15)), None);
+    // Where nothing is drawn nobody can say what is new.
+    assert_eq!(told.blind_where(|_| false), None);
+}
+
 #[test]
 fn a_match_in_a_bare_corridor_keeps_the_priors_way_along_it() {
     let at = pose2(0.0, 0.2, 0.0);
@@ -130,7 +156,7 @@ fn a_match_in_a_bare_corridor_keeps_the_priors_way_along_it() {
         &Pose3::identity(),
         &mut scene.points,
     );
-    assert!(scene.points.shape().is_some());
+    assert!(scene.points.blind().is_some());
     let start = pose2(0.07, 0.12, 0.02);
     for rule in [CovarianceRule::Curvature, CovarianceRule::Sampled] {
         let covariance = CovarianceSettings { rule, ..CovarianceSettings::default() };

@@ -27,7 +27,7 @@ fn table(scan: &LaserScan) -> NearestTable {
     table
 }
 
-fn expected(reference_from_scan: Pose2) -> Expected {
+fn expected(reference_from_scan: Pose2) -> Expected<'static> {
     Expected {
         reference_from_scan,
         information: Matrix3::zeros(),

@@ -21,6 +21,7 @@ pub(super) fn put_tracker(bytes: &mut Vec<u8>, tracker: &Tracker) {
     let at_least = if tracker.is_on_trial() { tracker.settings().lost_after_scans } else { 0 };
     put_count(bytes, tracker.n_unmatched.max(at_least) as usize);
     put(bytes, &[tracker.way_unmatched_m]);
+    put_count(bytes, tracker.adrift_since.map_or(0, |since| since + 1));
     let odometer = &tracker.odometer;
     put_pose_if(bytes, odometer.at_scan);
     let (run, newest) = odometer.turns.gyro.newest();
@@ -47,6 +48,7 @@ impl State<'_> {
         tracker.covariance = Matrix3::from_column_slice(&self.numbers::<9>()?);
         tracker.n_unmatched = self.count()? as u32;
         tracker.way_unmatched_m = self.number()?;
+        tracker.adrift_since = self.count()?.checked_sub(1);
         tracker.odometer.at_scan = self.pose_if()?;
         let at_scan = self.pose_if()?;
         let (turned, stamp) = (self.pose_if()?, self.time()?);

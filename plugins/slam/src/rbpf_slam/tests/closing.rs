@@ -52,7 +52,7 @@ fn a_loop_that_is_open_by_more_than_a_match_reaches_is_found_and_the_way_bent() 
         let here = way.len() - 1;
         let off_m = apart(&truth[here], &way[here])[0];
         assert!(off_m > 0.8, "{off_m} m: matches alone would close that");
-        let found = Closing::default().find(&archive, &way, &closing()).unwrap();
+        let found = Closing::default().find(&archive, &way, None, &closing()).unwrap();
         let place_from_here = truth[found.place].inverse() * truth[here];
         let [off_m, off_deg] = apart(&place_from_here, &found.place_from_here);
         assert!(off_m < 0.06 && off_deg < 0.6, "seed {seed}: {off_m} m, {off_deg} degrees");
@@ -66,14 +66,14 @@ fn a_loop_that_is_open_by_more_than_a_match_reaches_is_found_and_the_way_bent() 
 #[test]
 fn a_way_with_no_loop_open_is_left_alone_where_the_place_is_known_already() {
     let (mut archive, _, way) = around_the_hall(4);
-    let found = Closing::default().find(&archive, &way, &closing()).unwrap();
+    let found = Closing::default().find(&archive, &way, None, &closing()).unwrap();
     let (earlier, later) = (found.place, way.len() - 1);
     archive.links.push(Link { earlier, later, information: Matrix3::identity() });
-    let again = Closing::default().find(&archive, &way, &closing());
+    let again = Closing::default().find(&archive, &way, None, &closing());
     assert_eq!(again, None, "a short way leads there");
     let nowhere = ClosingSettings { most_reach_m: 0.0, drift_share: 0.0, ..closing() };
     archive.links.clear();
-    let found = Closing::default().find(&archive, &way, &nowhere);
+    let found = Closing::default().find(&archive, &way, None, &nowhere);
     assert!(
         found.is_none_or(|found| apart(&found.place_from_here, &(way[found.place].inverse() * way[later]))
             [0]
@@ -101,7 +101,7 @@ fn a_place_that_could_be_several_is_none() {
         let along_m = 0.5 * f64::from(if k < 40 { k } else { 80 - k });
         way.push(pose2(along_m, 0.0, 0.0));
     }
-    assert_eq!(Closing::default().find(&archive, &way, &closing()), None);
+    assert_eq!(Closing::default().find(&archive, &way, None, &closing()), None);
 }
 
 #[test]
@@ -122,12 +122,12 @@ fn a_place_that_is_like_another_one_elsewhere_is_none() {
     let mut one = archive.clone();
     visit(&mut archive, &pose2(12.0, 0.0, 0.0), 0..86);
     let twice = visit(&mut archive, &between, 0..10);
-    let found = Closing::default().find(&archive, &twice, &far);
+    let found = Closing::default().find(&archive, &twice, None, &far);
     assert_eq!(found, None, "either of the two");
     // The first hall alone is found.
     one.taken.extend_from_slice(&archive.taken[172..]);
     let once = [&twice[..86], &twice[172..]].concat();
-    let found = Closing::default().find(&one, &once, &far).unwrap();
+    let found = Closing::default().find(&one, &once, None, &far).unwrap();
     let [off_m, _] = apart(&(once[found.place] * found.place_from_here), &lane(4.5));
     assert!(off_m < 0.06, "{off_m} m");
 }

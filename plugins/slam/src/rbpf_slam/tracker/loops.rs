@@ -1,9 +1,10 @@
 //! A loop that no guess has closed by itself.
 
 use super::Tracker;
+use crate::graph_slam::surface::Surface;
 use crate::rbpf_slam::archive::{Link, turned_into};
 use crate::rbpf_slam::bending::bent;
-use crate::rbpf_slam::closing::Recognized;
+use crate::rbpf_slam::closing::{Adrift, Recognized};
 use crate::rbpf_slam::proposal::coordinates;
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::Pose2;
@@ -23,14 +24,28 @@ fn diagonal([way_m, turn_rad]: [f64; 2]) -> Matrix3<f64> {
 }
 
 impl Tracker {
+    /// A robot that did not know its way may see what it saw before that again.
+    pub(super) fn meets_known(&mut self, surface: &Surface) {
+        let Some(since) = self.adrift_since else { return };
+        let way = self.filter.lineage().way_of(self.filter.best_index());
+        if self.closing.lies_on(surface, &self.archive, &way, since, &self.settings.closing) {
+            self.adrift_since = None;
+        }
+    }
+
     /// Looks where the robot has come back to. Where the best guess is too far off to find that by itself, its way is bent,
     /// and all guesses go on from there.
     pub(super) fn look_for_loops(&mut self) {
-        if !self.archive.len().is_multiple_of(LOOK_EVERY) || self.settings.closing.most_reach_m <= 0.0 {
+        let is_due = self.adrift_since.is_some() || self.archive.len().is_multiple_of(LOOK_EVERY);
+        if !is_due || self.settings.closing.most_reach_m <= 0.0 {
             return;
         }
         let way = self.filter.lineage().way_of(self.filter.best_index());
-        let Some(found) = self.closing.find(&self.archive, &way, &self.settings.closing) else { return };
+        let place_m2 = self.covariance.diagonal().xy().max().max(0.0);
+        let adrift = self.adrift_since.map(|since| Adrift { since, reach_m: 2.0 * place_m2.sqrt() });
+        let Some(found) = self.closing.find(&self.archive, &way, adrift, &self.settings.closing) else {
+            return;
+        };
         let Some(link) = link_of(&found, way.len() - 1) else { return };
         let (Some(place), Some(here)) = (way.get(found.place), way.last()) else { return };
         let guess_from_found = (place.inverse() * here).inverse() * found.place_from_here;

@@ -8,13 +8,15 @@ use crate::rbpf_slam::filter::Outcome;
 use crate::rbpf_slam::follower::is_degenerate;
 use crate::rbpf_slam::motion::Step;
 use crate::rbpf_slam::particle::{Doubt, KeyScan};
-use crate::unseen::{Told, is_unsure, kept};
+use crate::unseen::{KNOWN_M, Told, is_unsure, kept, not_sharper};
 use nalgebra::Matrix3;
 use rumbo_core::frames::Pose2;
 use rumbo_core::messages::{LaserScan, Observation};
 use rumbo_core::time::Time;
-use rumbo_kit::scan_match::Observability;
+use rumbo_kit::scan_match::{Observability, drawn_along};
 
+/// Share of the way from step to step after which the filter takes in what may show a robot again where it is.
+const SOON: f64 = 0.2;
 /// Of scans in a row that fit nowhere every so many is matched by all particles.
 const LOOK_EVERY: u32 = 5;
 
@@ -29,17 +31,17 @@ impl Tracker {
         let surface = self.follower.surface(scan, &observation.base_from_sensor);
         let placed = self.follow(&surface, &step);
         let moved = before.inverse() * self.step_from_base;
-        let (known, shape) = (self.covariance, surface.shape);
+        let (known, blind) = (self.covariance, self.blind(&surface, placed.as_ref()));
         self.way_unmatched_m += moved.translation.vector.norm();
-        let is_due = self.is_due(stamp, placed.is_some());
+        let is_due = self.is_due(stamp, placed.is_some(), blind.is_none());
         if is_due {
-            self.take_step(observation, scan, surface, placed.as_ref());
+            self.take_step(observation, scan, surface, placed.as_ref(), blind.as_ref());
         } else {
             self.found(placed.is_some());
             self.diary.note(stamp, &self.step_from_base);
         }
-        if let Some(shape) = shape.filter(|_| self.odometer.at_scan.is_none()) {
-            self.keep_unseen(&shape, &known, stamp);
+        if let Some(blind) = blind.filter(|_| self.odometer.at_scan.is_none()) {
+            self.keep_unseen(&blind, &known, stamp);
         }
         if let Some(last) = self.stamp {
             self.odometer.learn_velocity(&moved, (stamp - last).as_secs());
@@ -49,12 +51,33 @@ impl Tracker {
     }
 
     /// Without wheels nobody knows the way that the scan does not show.
-    fn keep_unseen(&mut self, shape: &Observability, known: &Matrix3<f64>, stamp: Time) {
+    fn keep_unseen(&mut self, blind: &Observability, known: &Matrix3<f64>, stamp: Time) {
         let start_from_scan =
             self.filter.best().map_or(self.step_from_base, |best| best.map_from_base * self.step_from_base);
         let seconds = self.stamp.map_or(0.0, |last| (stamp - last).as_secs());
-        let seen = shape.turned(&start_from_scan.rotation);
+        let seen = blind.turned(&start_from_scan.rotation);
         self.covariance = kept(&seen, &self.covariance, known, Told::ByNobody { seconds });
+        if is_unsure(&self.covariance) {
+            self.adrift_since.get_or_insert(self.archive.len());
+        }
+    }
+
+    /// Directions, in the base frame, that the scan does not tell by what the scans before it know; by itself, where it does not
+    /// lie on them.
+    fn blind(&self, surface: &Surface, placed: Option<&Registered>) -> Option<Observability> {
+        match placed {
+            Some(placed) => Some(placed.blind?.turned(&placed.reference_from_scan.rotation.inverse())),
+            None => surface.shape.as_ref()?.blind(),
+        }
+    }
+
+    /// Of a robot that is not lost only those points count that lie on something in the best guess's map.
+    fn count_known(&mut self) {
+        let best = self.filter.best().filter(|best| !best.map.views().is_empty());
+        if let Some(best) = best {
+            let start_from_scan = best.map_from_base * self.step_from_base;
+            self.points.count_where(drawn_along(&best.map.views(), &start_from_scan, KNOWN_M));
+        }
     }
 
     /// The step from the last scan. A robot that for long neither saw nor counted wheels may be anywhere.
@@ -81,7 +104,7 @@ impl Tracker {
     }
 
     /// A scan that fits nowhere may be rubbish, so it is not taken in unless many are like it.
-    fn is_due(&self, stamp: Time, is_placed: bool) -> bool {
+    fn is_due(&self, stamp: Time, is_placed: bool, sees_all: bool) -> bool {
         if self.filter.lineage().is_empty() {
             return !self.points.is_empty();
         }
@@ -94,7 +117,12 @@ impl Tracker {
         if !is_placed && self.n_unmatched % LOOK_EVERY == LOOK_EVERY - 1 {
             return true;
         }
-        if is_placed && self.points.shape().is_none() && is_unsure(&self.covariance) {
+        let way_m = self.step_from_base.translation.vector.norm();
+        if is_placed
+            && sees_all
+            && is_unsure(&self.covariance)
+            && way_m >= SOON * self.settings.linear_update_m
+        {
             // It shows again what the scans before did not.
             return true;
         }
@@ -120,13 +148,17 @@ impl Tracker {
         scan: &LaserScan,
         surface: Surface,
         placed: Option<&Registered>,
+        blind: Option<&Observability>,
     ) {
         let (was_lost, doubt) = (self.is_lost(), self.doubt(placed));
         let may_draw = doubt < Doubt::Unproven;
+        if doubt == Doubt::None {
+            self.count_known();
+        }
         let is_near = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
         let (placed_step, since_step) = (&self.step_from_base, &self.since_step);
-        let (motion, shape) = (&self.settings.motion, surface.shape.as_ref());
-        let followed = self.follower.followed(placed_step, placed, since_step, motion, shape);
+        let motion = &self.settings.motion;
+        let followed = self.follower.followed(placed_step, placed, since_step, motion, blind);
         let key = KeyScan {
             scan,
             base_from_sensor: observation.base_from_sensor,
@@ -146,6 +178,9 @@ impl Tracker {
         }
         self.prove(was_lost, is_matched, self.step_from_base.translation.vector.norm());
         self.archive.push(scan, &observation.base_from_sensor, is_drawn, &followed);
+        if is_matched && blind.is_none() {
+            self.meets_known(&surface);
+        }
         self.follower.step(&self.step_from_base, is_seen.then_some(surface.points));
         self.diary.step(observation.stamp, &self.step_from_base);
         if is_drawn {
@@ -178,7 +213,11 @@ impl Tracker {
         self.counters.resampled += u64::from(outcome.is_resampled);
         self.counters.without_weight += u64::from(outcome.is_degenerate);
         if let Some(looked) = &outcome.best {
+            let before = self.covariance;
             self.covariance = looked.covariance;
+            if self.adrift_since.is_some() {
+                self.covariance = not_sharper(&looked.covariance, &before);
+            }
         }
         self.found(is_first || outcome.n_matched > 0);
     }
