@@ -1,6 +1,6 @@
 //! What grows while scans do not show which way the robot goes, as between bare walls.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix2, Matrix3};
 use rumbo_kit::scan_match::Observability;
 
 /// A robot whose motion nobody sees may be so much slower or faster than it is thought to be, m/s.
@@ -48,17 +48,16 @@ pub(crate) fn kept(
     seen.with_blind(by_scan, |_| deviation_m * deviation_m)
 }
 
-/// The same after a scan that tells all directions, but only against what was drawn since nobody knew the way: the place on the
-/// rest of the map is known no better than before.
+/// A covariance after a scan that tells where the robot is against what was drawn since nobody knew the way: on the rest of the map
+/// its place is along no direction known better than before.
 pub(crate) fn not_sharper(by_scan: &Matrix3<f64>, before: &Matrix3<f64>) -> Matrix3<f64> {
     let place = |covariance: &Matrix3<f64>| covariance.fixed_view::<2, 2>(0, 0).into_owned();
-    let (now, then) = (place(by_scan), place(before));
-    if now.trace() >= then.trace() {
-        return *by_scan;
-    }
-    let mut blunt = Matrix3::zeros();
-    blunt.fixed_view_mut::<2, 2>(0, 0).copy_from(&then);
-    blunt[(2, 2)] = by_scan[(2, 2)];
+    let more = (place(before) - place(by_scan)).symmetric_eigen();
+    let directions = more.eigenvectors;
+    let lost =
+        directions * Matrix2::from_diagonal(&more.eigenvalues.map(|v| v.max(0.0))) * directions.transpose();
+    let mut blunt = *by_scan;
+    blunt.fixed_view_mut::<2, 2>(0, 0).copy_from(&(place(by_scan) + lost));
     blunt
 }
 
@@ -66,4 +65,23 @@ pub(crate) fn not_sharper(by_scan: &Matrix3<f64>, before: &Matrix3<f64>) -> Matr
 pub(crate) fn is_unsure(covariance: &Matrix3<f64>) -> bool {
     let place = covariance.fixed_view::<2, 2>(0, 0).into_owned();
     place.symmetric_eigenvalues().max() > SURE_M * SURE_M
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Around a corner of bare walls: the next leg tells what the last one did not, but on what was drawn since.
+    #[test]
+    fn no_direction_is_known_better_than_before() {
+        let turn = nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::z_axis(), 0.4);
+        let turned = |x: f64, y: f64, yaw: f64| {
+            let axes = Matrix3::from_diagonal(&nalgebra::Vector3::new(x, y, yaw));
+            turn.matrix() * axes * turn.matrix().transpose()
+        };
+        let (before, by_scan) = (turned(2.25, 0.01, 0.1), turned(0.0001, 1.2, 0.002));
+        let after = not_sharper(&by_scan, &before);
+        assert!((after - turned(2.25, 1.2, 0.002)).amax() < 1e-9, "{after}");
+        assert!((not_sharper(&before, &by_scan) - turned(2.25, 1.2, 0.1)).amax() < 1e-9);
+    }
 }

@@ -107,10 +107,12 @@ impl Tracker {
             .collect();
         near.sort_unstable();
         let as_it_was = self.atlas.graph.clone();
-        let mut n_ties = 0;
+        let (mut n_ties, mut is_old) = (0, self.unsure_since.is_none());
         for (_, other) in near {
             let expected = found.place_from_frame.inverse() * place_from_map * self.atlas.pose(other);
-            n_ties += usize::from(self.atlas.tie(frame, other, &expected, 0.4, true));
+            let is_tied = self.atlas.tie(frame, other, &expected, 0.4, true);
+            n_ties += usize::from(is_tied);
+            is_old |= is_tied && self.unsure_since.is_some_and(|since| other < since);
             if n_ties == 3 {
                 break;
             }
@@ -124,7 +126,7 @@ impl Tracker {
             return;
         }
         self.n_loops += 1;
-        if self.unsure_since.is_none_or(|since| found.place < since) {
+        if is_old {
             self.is_placed_again();
         }
         let end = self.atlas.frames.len();

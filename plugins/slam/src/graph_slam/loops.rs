@@ -123,7 +123,7 @@ impl LoopSearch {
                 least_score: look.best.as_ref().map_or(settings.least_score, |best| best.score),
                 most_nodes: MOST_NODES,
             };
-            let found = self.look(atlas, place, &lately, &window, settings.most_rival);
+            let found = self.look(atlas, (place, atlas.frames.len()), &lately, &window, settings.most_rival);
             look.best = found.or_else(|| look.best.take());
         }
     }
@@ -138,13 +138,18 @@ impl LoopSearch {
         settings: &LoopSettings,
     ) -> Option<Recognized> {
         let off_m = |pose: &Pose2| (pose.translation.vector - here.translation.vector).norm();
+        let mut near: Vec<(f64, usize)> = (0..n_first.min(atlas.frames.len()))
+            .map(|place| (off_m(&atlas.pose(place)), place))
+            .filter(|(off_m, _)| *off_m <= reach_m)
+            .collect();
+        near.sort_by(|one, other| one.0.total_cmp(&other.0));
         let mut looked_at: Vec<Pose2> = Vec::new();
         let mut best: Option<Recognized> = None;
-        for place in 0..n_first.min(atlas.frames.len()) {
+        for (_, place) in near {
             let pose = atlas.pose(place);
             let is_near =
                 |other: &Pose2| (other.translation.vector - pose.translation.vector).norm() < PLACES_APART_M;
-            if off_m(&pose) > reach_m || looked_at.iter().any(is_near) {
+            if looked_at.len() == settings.most_places || looked_at.iter().any(is_near) {
                 continue;
             }
             looked_at.push(pose);
@@ -156,7 +161,7 @@ impl LoopSearch {
                 least_score: best.as_ref().map_or(settings.least_score, |best| best.score),
                 most_nodes: MOST_NODES,
             };
-            best = self.look(atlas, place, lately, &window, settings.most_rival).or(best);
+            best = self.look(atlas, (place, n_first), lately, &window, settings.most_rival).or(best);
         }
         best
     }
@@ -186,7 +191,7 @@ impl LoopSearch {
                 least_score: settings.least_score,
                 most_nodes: MOST_NODES,
             };
-            all.extend(self.look(atlas, place, lately, &window, settings.most_rival));
+            all.extend(self.look(atlas, (place, atlas.frames.len()), lately, &window, settings.most_rival));
         }
         let best = all.iter().max_by(|a, b| a.score.total_cmp(&b.score))?.clone();
         // The same place is found from several frames; another one that fits about as well is a rival.
@@ -202,12 +207,13 @@ impl LoopSearch {
     fn look(
         &mut self,
         atlas: &Atlas,
-        place: usize,
+        (place, n_first): (usize, usize),
         lately: &[SurfacePoint],
         window: &SearchWindow,
         most_rival: f64,
     ) -> Option<Recognized> {
-        let frames = frames_of(atlas, place);
+        let frames: Vec<usize> =
+            frames_of(atlas, place).into_iter().filter(|frame| *frame < n_first).collect();
         let sheet: Vec<SurfacePoint> = atlas.surfaces(frames.iter().copied(), place).collect();
         let TieSettings { registration, least_overlap, least_agreement, .. } = atlas.settings;
         let belief = Belief { registration, least_overlap, least_agreement };

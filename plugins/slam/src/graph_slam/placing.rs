@@ -17,8 +17,6 @@ const MOST_DENIED: f64 = 0.1;
 const SURELY_DENIED: f64 = 0.05;
 /// Nor is a place that was searched for in the whole map taken where more does: corners of buildings are alike.
 const HARDLY_DENIED: f64 = 0.03;
-/// Nor is one that a robot that did not know its way comes back to, of which it sees less.
-const SURE_OVERLAP: f64 = 0.95;
 /// Narrower views are not judged so: what a depth camera sees of low things changes with how far away they are, and a
 /// robot that waited for a good fit would have turned away from all that it could be registered on.
 const NARROW_RAD: f64 = std::f64::consts::FRAC_PI_2;
@@ -105,14 +103,11 @@ impl Tracker {
         let [off_m, off_rad] = prediction.deviation;
         let known = nalgebra::Vector3::new(off_m.powi(-2), off_m.powi(-2), off_rad.powi(-2));
         let inverse = (information + Matrix3::from_diagonal(&known)).try_inverse();
-        let covariance = inverse.unwrap_or(self.covariance);
-        let Some(seen) = &found.blind else {
-            return if self.unsure_since.is_some() {
-                not_sharper(&covariance, &self.covariance)
-            } else {
-                covariance
-            };
-        };
+        let mut covariance = inverse.unwrap_or(self.covariance);
+        if self.unsure_since.is_some() {
+            covariance = not_sharper(&covariance, &self.covariance);
+        }
+        let Some(seen) = &found.blind else { return covariance };
         kept(seen, &covariance, &self.covariance, self.told_beside(prediction))
     }
 
@@ -159,26 +154,27 @@ impl Tracker {
         let (frame, frame_from_base) = (self.front.frame, self.frame_from_base);
         let (frames, covariance) = (self.front.frames().to_vec(), self.covariance);
         self.stand(found.place, found.place_from_frame, &found.frames);
-        if !self.is_sure_of(view) {
+        if self.surely_placed(view).is_none() {
             self.stand(frame, frame_from_base, &frames);
             self.covariance = covariance;
             return;
         }
         (self.fit, self.n_missed) = (Fit::Placed, 0);
-        self.is_placed_again();
+        if self.unsure_since.is_none_or(|since| found.place < since) {
+            self.is_placed_again();
+        }
         self.is_doubtful = false;
     }
 
     /// The scan fits where the robot was put, and contradicts nothing: what is alike in parts is not enough.
-    pub(super) fn is_sure_of(&mut self, view: &View<'_>) -> bool {
+    pub(super) fn surely_placed(&mut self, view: &View<'_>) -> Option<Registered> {
         let here = Prediction::around(self.frame_from_base);
-        let Some(found) = self.front.place(&self.atlas, view.surface, &here) else { return false };
+        let found = self.front.place(&self.atlas, view.surface, &here)?;
         self.frame_from_base = found.reference_from_scan;
-        let is_told = self.unsure_since.is_none() || found.blind.is_none() && found.overlap >= SURE_OVERLAP;
-        let is_sure = is_told && found.fit() >= SURE_FIT && self.denied_share(view) <= HARDLY_DENIED;
+        let is_sure = found.fit() >= SURE_FIT && self.denied_share(view) <= HARDLY_DENIED;
         if is_sure {
             self.covariance = self.known_after(&found, &here);
         }
-        is_sure
+        is_sure.then_some(found)
     }
 }

@@ -4,6 +4,7 @@
 use super::contradiction::View;
 use super::loops::{Recognized, frames_of};
 use super::point_table::thinned;
+use super::registration::Registered;
 use super::tracker::Tracker;
 
 /// Key frames as near as this are at the same place, meters and radians.
@@ -15,6 +16,8 @@ const MOST_MOVED: [f64; 2] = [0.1, 0.03];
 
 /// A robot that did not know its way is put right by no more than this where it seems to be, meters and radians.
 const MOST_CORRECTED: [f64; 2] = [0.5, 0.1];
+/// And it must see no less than this of what it comes back to.
+const SURE_OVERLAP: f64 = 0.95;
 
 impl Tracker {
     /// Instead of a new key frame the robot is seen from an old one, where enough of them are around and the scan surely fits.
@@ -28,6 +31,9 @@ impl Tracker {
     /// A robot that did not know its way lies again on what was mapped before, and goes on from there.
     pub(super) fn meets_known(&mut self, view: &View<'_>) -> bool {
         let Some(since) = self.unsure_since else { return false };
+        if view.surface.shape.as_ref().is_some_and(|shape| shape.blind().is_some()) {
+            return false;
+        }
         let here = self.map_from_base().translation.vector;
         let off_m = |frame: &usize| (self.atlas.pose(*frame).translation.vector - here).norm();
         let old = 0..since.min(self.atlas.frames.len());
@@ -49,7 +55,6 @@ impl Tracker {
         let here = self.map_from_base();
         let found = self.search.around(&self.atlas, &points, since, (&here, reach_m), &self.settings.loops);
         let Some(Recognized { place, place_from_frame, frames, .. }) = found else { return false };
-        let frames: Vec<usize> = frames.into_iter().filter(|frame| *frame < since).collect();
         self.frame_from_base = self.map_from_frame().inverse() * self.atlas.pose(place) * place_from_frame;
         let is_found = self.goes_on_from(place, &frames, view, MOST_CORRECTED);
         if !is_found {
@@ -71,7 +76,9 @@ impl Tracker {
         let covariance = self.covariance;
         let place_from_base = self.atlas.pose(place).inverse() * here;
         self.stand(place, place_from_base, place_frames);
-        if self.is_sure_of(view) {
+        let tells_all = |found: &Registered| found.blind.is_none() && found.overlap >= SURE_OVERLAP;
+        let found = self.surely_placed(view).filter(|found| self.unsure_since.is_none() || tells_all(found));
+        if found.is_some() {
             let off = here.inverse() * self.map_from_base();
             if off.translation.vector.norm() <= most_moved[0] && off.rotation.angle().abs() <= most_moved[1] {
                 return true;

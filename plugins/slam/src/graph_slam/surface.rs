@@ -176,13 +176,15 @@ pub(crate) fn surface_of(
 /// those of the scan's shape, face across that.
 fn put_on_lines(points: &mut [SurfacePoint], shape: &ScanShape, base_from_sensor: &Pose3) {
     let sensor = [base_from_sensor.translation.x as f32, base_from_sensor.translation.y as f32];
-    let mut lines = shape.points().iter();
+    let mut rest = shape.points();
     for point in points.iter_mut().filter(|point| !point.is_flat()) {
         // Both are in order of bearing.
-        let Some(normal) = lines.find(|other| other.at == point.at).and_then(|other| other.normal) else {
-            continue;
-        };
-        *point = SurfacePoint { normal, ..*point }.facing(sensor);
+        let Some(idx) = rest.iter().position(|other| other.at == point.at) else { continue };
+        let normal = rest.get(idx).and_then(|other| other.normal);
+        rest = rest.get(idx + 1..).unwrap_or_default();
+        if let Some(normal) = normal {
+            *point = SurfacePoint { normal, ..*point }.facing(sensor);
+        }
     }
 }
 

@@ -10,6 +10,8 @@ use rumbo_kit::scan_match::{MatchStatus, SurfaceMap};
 
 /// Directions that a scan does not see must be known this well from before, meters (the specification's bound).
 const MOST_BLIND_DEVIATION_M: f64 = 0.1;
+/// And this well where something that is seen for the first time shows them, unless nobody knows them anyway, meters.
+const MOST_UNSHOWN_M: f64 = 0.5;
 
 /// How the levels are turned against the robot that begins. Walls are mostly along or across its heading, and one along a
 /// row of cells does not tell where in the row it lies: matches would be off by half a cell.
@@ -66,7 +68,9 @@ impl ScanTracker {
             MatchStatus::Ok => true,
             MatchStatus::Degenerate => {
                 // What is seen for the first time shows the way from now on.
-                self.shows_all() || self.blind_deviation_m <= MOST_BLIND_DEVIATION_M
+                let shows_new = self.points.blind().is_some() && self.shows_all();
+                let may_be_far = self.sure_levels.is_some() || self.blind_deviation_m <= MOST_UNSHOWN_M;
+                self.blind_deviation_m <= MOST_BLIND_DEVIATION_M || shows_new && may_be_far
             }
             MatchStatus::LowOverlap => {
                 let is_on_new_ground = self.is_lost() && self.look.n_in_vain > 0 && !self.look.is_anywhere;

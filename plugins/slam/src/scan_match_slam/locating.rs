@@ -88,11 +88,11 @@ impl ScanTracker {
     /// A robot that did not know its way sees something that is not drawn where it may be, but elsewhere as near as that.
     fn look_back(&mut self, predicted: &Tracked, here: &Located) -> Option<Located> {
         let levels = self.sure_levels.clone().filter(|_| here.status == MatchStatus::Degenerate)?;
-        if !self.shows_all() {
+        let [near_m, turn_rad] = self.settings.near_reach;
+        if near_m <= 0.0 || !self.shows_all() {
             return None;
         }
         let way_m = 2.0 * predicted.covariance.diagonal().xy().max().max(0.0).sqrt();
-        let [near_m, turn_rad] = self.settings.near_reach;
         let reach = [way_m.clamp(near_m, 4.0 * near_m), turn_rad];
         let place = self.places.near(&levels, &self.points, &predicted.map_from_base, reach)?;
         let back = self.found_at(&place)?;

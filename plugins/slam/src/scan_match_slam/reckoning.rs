@@ -2,7 +2,7 @@
 
 use super::motion::Step;
 use super::tracker::{ScanTracker, Tracked};
-use crate::unseen::{KNOWN_M, STANDING, Told, is_unsure, not_sharper};
+use crate::unseen::{KNOWN_M, STANDING, Told, is_unsure, kept, not_sharper};
 use nalgebra::{Matrix3, Rotation2};
 use rumbo_core::frames::Pose2;
 use rumbo_core::map::Map;
@@ -45,21 +45,22 @@ impl ScanTracker {
 
     /// A covariance after a scan. Where nobody tells the way, the map as it is now is kept aside: on what is drawn from then on the
     /// robot finds its way, but not where it is on the rest.
-    pub(super) fn unless_adrift(
+    pub(super) fn known_after(
         &mut self,
         found: &ScanMatch,
-        covariance: Matrix3<f64>,
+        by_scan: &Matrix3<f64>,
+        before: &Matrix3<f64>,
         told: Told,
     ) -> Matrix3<f64> {
-        if let Some(levels) = &self.sure_levels {
-            if is_on(levels, &self.points, &found.map_from_base) {
-                self.sure_levels = None;
-                return covariance;
-            }
-            let before = self.state.map_or(covariance, |state| state.covariance);
-            return if found.seen.is_complete() { not_sharper(&covariance, &before) } else { covariance };
+        let is_met = |levels: &Map| is_on(levels, &self.points, &found.map_from_base);
+        if found.seen.is_complete() && self.sure_levels.as_ref().is_some_and(is_met) {
+            self.sure_levels = None;
         }
-        if !found.seen.is_complete() && !told.by_wheels() && is_unsure(&covariance) {
+        let last = self.state.filter(|_| self.sure_levels.is_some());
+        let by_scan = last.map_or(*by_scan, |last| not_sharper(by_scan, &last.covariance));
+        let covariance = kept(&found.seen, &by_scan, before, told);
+        let is_blind = !found.seen.is_complete() && !told.by_wheels();
+        if is_blind && is_unsure(&covariance) && self.sure_levels.is_none() {
             self.sure_levels = Some(self.levels.clone());
         }
         covariance

@@ -92,6 +92,8 @@ fn read(from: &mut Reader<'_>, settings: TrackerSettings) -> Option<ScanTracker>
     let saved = some(from, surfaces)?;
     tracker.surfaces = tracker.settings.polish.is_some().then(|| saved.unwrap_or(empty));
     tracker.sure_levels = some(from, levels)?;
+    // Tables that are made of a map are known by its version.
+    tracker.levels.touch();
     let fits =
         fits && tracker.sure_levels.as_ref().is_none_or(|levels| tracker.mapper.pyramid().fits(levels));
     fits.then_some(tracker)

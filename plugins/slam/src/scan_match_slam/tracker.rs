@@ -4,7 +4,7 @@ use super::locating::{Located, Look};
 use super::motion::Motion;
 use super::place_search::PlaceSearch;
 use super::settings::{Counters, TrackerSettings};
-use crate::unseen::{Told, kept};
+use crate::unseen::Told;
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::Pose2;
 use rumbo_core::map::{Grid, GridFault, Map};
@@ -247,13 +247,13 @@ impl ScanTracker {
         let tracked = if is_searched {
             // The robot is not where it was thought to be: the way there is no motion, and the guess knew nothing.
             self.motion.begin(predicted.stamp, &found.map_from_base);
-            let covariance =
-                self.unless_adrift(&found, found.covariance, Told::ByWheels { deviation_m: 0.0 });
+            let told = Told::ByWheels { deviation_m: 0.0 };
+            let covariance = self.known_after(&found, &found.covariance, &predicted.covariance, told);
             Tracked { map_from_base: found.map_from_base, covariance, ..predicted }
         } else {
             let together = fused(&predicted.covariance, &found.covariance);
             let (before, told) = self.told_beside(&predicted);
-            let covariance = self.unless_adrift(&found, kept(&found.seen, &together, &before, told), told);
+            let covariance = self.known_after(&found, &together, &before, told);
             Tracked { map_from_base: found.map_from_base, covariance, ..predicted }
         };
         self.n_without_match = 0;

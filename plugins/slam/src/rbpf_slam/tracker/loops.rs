@@ -35,8 +35,11 @@ impl Tracker {
 
     /// Looks where the robot has come back to. Where the best guess is too far off to find that by itself, its way is bent,
     /// and all guesses go on from there.
-    pub(super) fn look_for_loops(&mut self) {
-        let is_due = self.adrift_since.is_some() || self.archive.len().is_multiple_of(LOOK_EVERY);
+    pub(super) fn look_for_loops(&mut self, sees_all: bool) {
+        let n_steps = self.archive.len();
+        let is_linked = self.archive.links.last().is_some_and(|link| link.later + LOOK_EVERY > n_steps);
+        let looks_back = self.adrift_since.is_some() && sees_all && !is_linked;
+        let is_due = looks_back || n_steps.is_multiple_of(LOOK_EVERY);
         if !is_due || self.settings.closing.most_reach_m <= 0.0 {
             return;
         }

@@ -152,7 +152,7 @@ impl Tracker {
     ) {
         let (was_lost, doubt) = (self.is_lost(), self.doubt(placed));
         let may_draw = doubt < Doubt::Unproven;
-        if doubt == Doubt::None {
+        if doubt == Doubt::None && placed.is_some() {
             self.count_known();
         }
         let is_near = self.way_unmatched_m <= self.settings.filter.explore_grace_m;
@@ -184,7 +184,7 @@ impl Tracker {
         self.follower.step(&self.step_from_base, is_seen.then_some(surface.points));
         self.diary.step(observation.stamp, &self.step_from_base);
         if is_drawn {
-            self.look_for_loops();
+            self.look_for_loops(blind.is_none());
         }
         (self.step_stamp, self.step_from_base) = (observation.stamp, Pose2::identity());
         self.since_step = Step::default();

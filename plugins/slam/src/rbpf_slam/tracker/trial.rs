@@ -17,9 +17,6 @@ impl Tracker {
         let proven_m = if was_lost { Some(0.0) } else { self.proven_m.map(|proven_m| proven_m + way_m) };
         let Some(proven_m) = proven_m else { return };
         self.proven_m = (is_matched && proven_m < PROOF_WAY_M).then_some(proven_m);
-        if is_matched && self.proven_m.is_none() {
-            self.adrift_since = None;
-        }
         if !is_matched {
             self.n_unmatched = self.n_unmatched.max(self.settings.lost_after_scans);
         }
