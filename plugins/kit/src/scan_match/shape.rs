@@ -78,6 +78,13 @@ impl ScanShape {
         ends_wall: impl Fn(usize, &Matrix2<f64>) -> bool,
     ) -> Option<ScanShape> {
         let places: Vec<[f32; 2]> = points.iter().map(|[x, y, _]| [x, y]).collect();
+        let extent_m = points.extent_m();
+        let many_times = ObservabilitySettings { floor_per_m2: TOLD_SHARE, ratio: 0.0 };
+        let unless_told = |told: &Told| {
+            Observability::unless_complete(&linearized(told, places.len()), extent_m, &many_times)
+        };
+        // Ends of walls only add to it, and take most of the time.
+        unless_told(&told(&places, |_, _| false)?)?;
         let (mut normals, mut ends) = (Vec::with_capacity(places.len()), Vec::with_capacity(places.len()));
         let told = told(&places, |idx, across| {
             let is_end = ends_wall(idx, across);
@@ -86,11 +93,8 @@ impl ScanShape {
             is_end
         })?;
         let points_of = places.iter().zip(normals).map(|(at, normal)| ShapePoint { at: *at, normal });
-        let shape = ScanShape { points: points_of.collect(), ends, extent_m: points.extent_m() };
-        let many_times = ObservabilitySettings { floor_per_m2: TOLD_SHARE, ratio: 0.0 };
-        let n_points = shape.points.len();
-        Observability::unless_complete(&linearized(&told, n_points), shape.extent_m, &many_times)?;
-        Some(shape)
+        unless_told(&told)?;
+        Some(ScanShape { points: points_of.collect(), ends, extent_m })
     }
 
     /// In order of bearing.
