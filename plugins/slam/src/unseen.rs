@@ -9,6 +9,8 @@ const UNSEEN_M_S: f64 = 0.5;
 pub(crate) const SILENT_S: f64 = 0.5;
 /// Wheels that turn by less between two scans stand, meters and radians.
 pub(crate) const STANDING: f64 = 1e-4;
+/// Who did not know his way is sure again where he sees no less than this share of a scan on what was seen before.
+pub(crate) const SURE_OVERLAP: f64 = 0.95;
 /// A point lies on something that is drawn where that is this near, meters.
 pub(crate) const KNOWN_M: f64 = 0.1;
 /// Who knows its place no better than this along some direction (standard deviation) is not sure of it, meters.
@@ -59,6 +61,11 @@ pub(crate) fn not_sharper(by_scan: &Matrix3<f64>, before: &Matrix3<f64>) -> Matr
     let mut blunt = *by_scan;
     blunt.fixed_view_mut::<2, 2>(0, 0).copy_from(&(place(by_scan) + lost));
     blunt
+}
+
+/// Who is not sure of its place may be this far from where it seems to be, meters: twice the larger deviation of x and y.
+pub(crate) fn reach_m(covariance: &Matrix3<f64>) -> f64 {
+    2.0 * covariance.diagonal().xy().max().max(0.0).sqrt()
 }
 
 /// The place is not known well enough to say that the robot is tracked.

@@ -6,6 +6,7 @@ use super::loops::{Recognized, frames_of};
 use super::point_table::thinned;
 use super::registration::Registered;
 use super::tracker::Tracker;
+use crate::unseen::{SURE_OVERLAP, reach_m};
 
 /// Key frames as near as this are at the same place, meters and radians.
 const SAME_PLACE: [f64; 2] = [0.5, 0.35];
@@ -16,8 +17,6 @@ const MOST_MOVED: [f64; 2] = [0.1, 0.03];
 
 /// A robot that did not know its way is put right by no more than this where it seems to be, meters and radians.
 const MOST_CORRECTED: [f64; 2] = [0.5, 0.1];
-/// And it must see no less than this of what it comes back to.
-const SURE_OVERLAP: f64 = 0.95;
 
 impl Tracker {
     /// Instead of a new key frame the robot is seen from an old one, where enough of them are around and the scan surely fits.
@@ -49,8 +48,7 @@ impl Tracker {
 
     /// Looks for what was mapped before as far around as the robot may be off.
     fn finds_known(&mut self, view: &View<'_>, since: usize) -> bool {
-        let place_m2 = self.covariance.diagonal().xy().max().max(0.0);
-        let reach_m = (2.0 * place_m2.sqrt()).min(self.settings.loops.most_reach_m);
+        let reach_m = reach_m(&self.covariance).min(self.settings.loops.most_reach_m);
         let points = thinned(view.surface.iter().copied());
         let here = self.map_from_base();
         let found = self.search.around(&self.atlas, &points, since, (&here, reach_m), &self.settings.loops);

@@ -13,6 +13,7 @@ use crate::graph_slam::place_search::{Belief, PlaceSearch, apart_from};
 use crate::graph_slam::point_table::thinned;
 use crate::graph_slam::registration::{Expected, RegistrationSettings, register};
 use crate::graph_slam::surface::{Surface, SurfaceLimits, SurfacePoint};
+use crate::unseen::SURE_OVERLAP;
 use nalgebra::Matrix3;
 use places::{TRUSTED_WAY_M, along, around, places_of};
 use rumbo_core::frames::Pose2;
@@ -67,8 +68,6 @@ const LEAST_REACH_M: f64 = 1.0;
 /// near, meters and radians.
 const KNOWN_PLACES_M: f64 = 3.0;
 const KNOWN_REACH: [f64; 2] = [0.4, 0.1];
-/// So large a share of a scan lies on what was seen before where it was taken from the same place.
-const SURE_OVERLAP: f64 = 0.95;
 /// So far to each side turned, radians.
 const REACH_RAD: f64 = 30.0 * std::f64::consts::PI / 180.0;
 /// A place elsewhere must fit less than this share of the best one.

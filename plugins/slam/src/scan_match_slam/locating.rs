@@ -2,7 +2,7 @@
 
 use super::reckoning::is_on;
 use super::tracker::{ScanTracker, Tracked};
-use crate::unseen::KNOWN_M;
+use crate::unseen::{KNOWN_M, reach_m};
 use rumbo_core::frames::Pose2;
 use rumbo_kit::scan_match::{
     MatchStatus, PosePrior, ScanMatch, drawn_near, levels_of, levels_within, match_scan,
@@ -92,8 +92,7 @@ impl ScanTracker {
         if near_m <= 0.0 || !self.shows_all() {
             return None;
         }
-        let way_m = 2.0 * predicted.covariance.diagonal().xy().max().max(0.0).sqrt();
-        let reach = [way_m.clamp(near_m, 4.0 * near_m), turn_rad];
+        let reach = [reach_m(&predicted.covariance).clamp(near_m, 4.0 * near_m), turn_rad];
         let place = self.places.near(&levels, &self.points, &predicted.map_from_base, reach)?;
         let back = self.found_at(&place)?;
         back.found.as_ref().filter(|found| is_on(&levels, &self.points, &found.map_from_base))?;

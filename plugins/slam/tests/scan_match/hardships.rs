@@ -249,36 +249,24 @@ fn a_corridor_without_ends_is_kept_by_wheels() {
     }
 }
 
+/// After the first of these scans it says so, and from the second on its deviation covers how far off it is.
+fn is_not_sure(name: &str, k: i32, [says_after, covers_from]: [i32; 2], estimate: &Estimate, off: &Pose2) {
+    let deviation_m = estimate.covariance2()[(0, 0)].sqrt();
+    assert!(k <= says_after || estimate.status == Status::Converging, "{name}: {k} {:?}", estimate.status);
+    let is_covered = off.translation.x.abs() < 3.0 * deviation_m;
+    assert!(k < covers_from || is_covered, "{name}: {k} {off}, {deviation_m} m");
+}
+
 /// Without wheels nobody can know the way, and after a second each plugin says so.
 #[test]
 fn a_corridor_without_ends_and_wheels_makes_nobody_sure() {
-    between_bare_walls(
-        |_| false,
-        |name, k, estimate, off| {
-            let deviation_m = estimate.covariance2()[(0, 0)].sqrt();
-            assert!(k <= 12 || estimate.status == Status::Converging, "{name}: {k} {:?}", estimate.status);
-            assert!(
-                k < 3 || off.translation.x.abs() < 3.0 * deviation_m,
-                "{name}: {k} {off}, {deviation_m} m"
-            );
-        },
-    );
+    between_bare_walls(|_| false, |name, k, estimate, off| is_not_sure(name, k, [12, 3], estimate, off));
 }
 
 /// Wheels that fall silent count as none, not as wheels that stand.
 #[test]
 fn wheels_that_fall_silent_between_bare_walls_make_nobody_sure() {
-    between_bare_walls(
-        |k| k <= 20,
-        |name, k, estimate, off| {
-            let deviation_m = estimate.covariance2()[(0, 0)].sqrt();
-            assert!(k <= 40 || estimate.status == Status::Converging, "{name}: {k} {:?}", estimate.status);
-            assert!(
-                k < 40 || off.translation.x.abs() < 3.0 * deviation_m,
-                "{name}: {k} {off}, {deviation_m} m"
-            );
-        },
-    );
+    between_bare_walls(|k| k <= 20, |name, k, estimate, off| is_not_sure(name, k, [40, 40], estimate, off));
 }
 
 /// Somebody whom nobody has seen before looks like a way to tell how far it is, and is none.
@@ -307,18 +295,7 @@ fn people_who_step_out_between_bare_walls_hold_nobody_back() {
 #[test]
 fn somebody_between_bare_walls_makes_nobody_sure_who_was_not() {
     let stands = |k: i32| if k <= 30 { bare_walls(&[]) } else { bare_walls(&[[9.5, 0.5]]) };
-    between(
-        &stands,
-        |_| false,
-        |name, k, estimate, off| {
-            let deviation_m = estimate.covariance2()[(0, 0)].sqrt();
-            assert!(k <= 12 || estimate.status == Status::Converging, "{name}: {k} {:?}", estimate.status);
-            assert!(
-                k < 3 || off.translation.x.abs() < 3.0 * deviation_m,
-                "{name}: {k} {off}, {deviation_m} m"
-            );
-        },
-    );
+    between(&stands, |_| false, |name, k, estimate, off| is_not_sure(name, k, [12, 3], estimate, off));
 }
 
 /// A laser that sees six meters, between walls with one end: back to where that is not seen, and there again, without wheels.

@@ -6,6 +6,7 @@ use crate::rbpf_slam::archive::{Link, turned_into};
 use crate::rbpf_slam::bending::bent;
 use crate::rbpf_slam::closing::{Adrift, Recognized};
 use crate::rbpf_slam::proposal::coordinates;
+use crate::unseen::reach_m;
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::Pose2;
 
@@ -44,8 +45,7 @@ impl Tracker {
             return;
         }
         let way = self.filter.lineage().way_of(self.filter.best_index());
-        let place_m2 = self.covariance.diagonal().xy().max().max(0.0);
-        let adrift = self.adrift_since.map(|since| Adrift { since, reach_m: 2.0 * place_m2.sqrt() });
+        let adrift = self.adrift_since.map(|since| Adrift { since, reach_m: reach_m(&self.covariance) });
         let Some(found) = self.closing.find(&self.archive, &way, adrift, &self.settings.closing) else {
             return;
         };

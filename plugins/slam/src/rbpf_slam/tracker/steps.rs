@@ -73,10 +73,11 @@ impl Tracker {
 
     /// Of a robot that is not lost only those points count that lie on something in the best guess's map.
     fn count_known(&mut self) {
-        let best = self.filter.best().filter(|best| !best.map.views().is_empty());
-        if let Some(best) = best {
+        let Some(best) = self.filter.best() else { return };
+        let views = best.map.views();
+        if !views.is_empty() {
             let start_from_scan = best.map_from_base * self.step_from_base;
-            self.points.count_where(drawn_along(&best.map.views(), &start_from_scan, KNOWN_M));
+            self.points.count_where(drawn_along(&views, &start_from_scan, KNOWN_M));
         }
     }
 
