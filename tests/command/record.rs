@@ -1,6 +1,11 @@
 use super::*;
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use rumbo_core::frames::Pose3;
+use rumbo_core::time::Time;
+use rumbo_kit::recording::cdr::CdrReader;
+use rumbo_kit::recording::ros::{RosData, RosMessage, read_ros};
 use rumbo_kit::recording::{BagReader, RecordingReader};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Runs a pipeline and records it.
 pub fn recorded(folder: &Path, name: &str, args: &[&str]) -> String {
@@ -161,4 +166,77 @@ fn viewers_get_frames_five_times_and_poses_twice_a_second() {
         let are_regular = steps_s.iter().all(|step_s| (step_s - period_s).abs() < 0.051);
         assert!(steps_s.len() > 3 && are_regular, "{topic}: {steps_s:?}");
     }
+}
+
+/// All transforms of a recording in order: topic, time, parent, child, and the pose.
+fn transforms(file: &str) -> Vec<(String, Time, String, String, Pose3)> {
+    let mut all = Vec::new();
+    for message in BagReader::open(Path::new(file)).unwrap() {
+        let said = read_ros(&message.channel.schema, &message.data).unwrap();
+        let Some(RosMessage { stamp, data: RosData::Transforms(links), .. }) = said else { continue };
+        let topic = &message.channel.topic;
+        all.extend(
+            links.into_iter().map(|(parent, child, pose)| (topic.clone(), stamp, parent, child, pose)),
+        );
+    }
+    all
+}
+
+#[test]
+fn a_body_that_sways_leans_in_the_recording_as_it_does_in_the_world() {
+    let pipeline = "pipelines/finder_swaying.toml";
+    let file = recorded(&scratch("record_body"), "a.mcap", &[pipeline, "--duration", "8"]);
+    let truth =
+        BagReader::open(Path::new(&file)).unwrap().filter(|message| message.channel.topic == "/truth");
+    let attitudes: BTreeMap<Time, UnitQuaternion<f64>> = truth
+        .map(|message| {
+            let mut cdr = CdrReader::new(&message.data).unwrap();
+            (cdr.i32().unwrap(), cdr.u32().unwrap(), cdr.text().unwrap());
+            let (_place, [i, j, k, w]): ([f64; 3], [f64; 4]) = (cdr.array().unwrap(), cdr.array().unwrap());
+            (message.log_time, UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k)))
+        })
+        .collect();
+    let links = transforms(&file);
+    let leans = links.iter().filter(|(.., parent, child, _)| (parent.as_str(), child.as_str()) == STABILIZED);
+    let (mut n_compared, mut most_deg) = (0, 0.0f64);
+    for (topic, stamp, _, _, lean) in leans {
+        assert_eq!(topic, "/tf");
+        let Some(truth) = attitudes.get(stamp) else { continue };
+        let (up, true_up) = (lean.rotation.inverse() * Vector3::z(), truth.inverse() * Vector3::z());
+        assert!(up.angle(&true_up).to_degrees() < 3.0, "{stamp}: {up} instead of {true_up}");
+        n_compared += 1;
+        most_deg = most_deg.max(true_up.angle(&Vector3::z()).to_degrees());
+    }
+    assert!(n_compared > 10 && most_deg > 15.0, "{n_compared} compared, up to {most_deg} degrees");
+    let parents = |of: &str| -> BTreeSet<&str> {
+        let those = links.iter().filter(|(_, _, _, child, _)| child == of);
+        those.map(|(_, _, parent, _, _)| parent.as_str()).collect()
+    };
+    for (child, parent) in [
+        ("odom", "map"),
+        ("base_footprint", "odom"),
+        ("base_stabilized", "base_footprint"),
+        ("laser", "base_link"),
+        ("level_laser", "base_footprint"),
+    ] {
+        assert_eq!(parents(child), BTreeSet::from([parent]), "{child}");
+    }
+}
+
+const STABILIZED: (&str, &str) = ("base_stabilized", "base_link");
+
+#[test]
+fn a_body_of_which_nobody_says_how_it_leans_stands_upright_once_and_for_all() {
+    let file = recorded(&scratch("record_upright"), "a.mcap", &[OFFICE, "--set", SHORT]);
+    let links = transforms(&file);
+    let of_body: Vec<_> = links.iter().filter(|(.., child, _)| child.starts_with("base_")).collect();
+    let upright: Vec<_> = of_body.iter().filter(|(.., child, _)| child != "base_footprint").collect();
+    assert_eq!(upright.len(), 2);
+    for (topic, _, _, child, pose) in upright {
+        assert_eq!((topic.as_str(), pose), ("/tf_static", &Pose3::identity()), "{child}");
+    }
+    let mounts = links.iter().filter(|(.., child, _)| child == "front_laser");
+    let mounts: BTreeSet<_> =
+        mounts.map(|(topic, _, parent, ..)| (topic.as_str(), parent.as_str())).collect();
+    assert_eq!(mounts, BTreeSet::from([("/tf_static", "base_link")]));
 }

@@ -180,6 +180,8 @@ impl Engine {
             estimate_is_new: false,
             wish: WishMotion::default(),
             track: OdometryTrack::new(),
+            footprint_from_base: pipeline.odometer.as_ref().map(|_| Pose3::identity()),
+            mounts: pipeline.sensors.iter().map(|sensor| sensor.base_from_sensor).collect(),
             out: Observations::default(),
             command: Command::default(),
             events: Vec::with_capacity(64),

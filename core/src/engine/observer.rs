@@ -3,7 +3,7 @@
 use super::events::Event;
 use super::order::{Order, State};
 use super::timing::StageTimes;
-use crate::frames::Pose2;
+use crate::frames::{Pose2, Pose3};
 use crate::map::Map;
 use crate::messages::{Command, Estimate, Goal, Observation, Obstacle, Path};
 use crate::stages::Truth;
@@ -37,6 +37,11 @@ pub struct StepView<'a> {
     pub map_from_base: Pose2,
     /// The odometer.
     pub odom_from_base: Pose2,
+    /// The body over its place on the floor, as the odometer seat said last: height, roll and pitch; none without that seat.
+    #[doc(alias = "base_stabilized")]
+    pub footprint_from_base: Option<Pose3>,
+    /// Where the sensors sit on the body, as the pipeline says, in the order of their numbers.
+    pub mounts: &'a [Pose3],
     /// Where the robot really is, where the world knows.
     pub truth: Option<&'a Truth>,
     /// What went to the wheels last.

@@ -5,7 +5,7 @@ use super::ring::Filter;
 use super::seat::Seat;
 use super::step::Engine;
 use super::timing::Part;
-use crate::frames::{Pose2, Pose3, Twist};
+use crate::frames::{Pose2, Pose3, Twist, lift};
 use crate::messages::{Check, Data, MessageFault, Observation, Odometry, SensorId};
 use crate::odometry_track::OdometryTrack;
 use crate::stages::{Cx, Sensor};
@@ -75,7 +75,10 @@ impl Engine {
             let result = seat.stage.update(&mut cx, seen, &self.map).map_err(|e| e.to_string());
             let checked = result.and_then(|e| e.check().map(|()| e).map_err(|fault| fault.to_string()));
             if let Some(estimate) = seat.settle(checked, read, self.now, &mut self.events) {
-                let observation = odometry_of(&estimate.pose2(), estimate.stamp, &self.track);
+                let odom_from_footprint = estimate.pose2();
+                let space = lift(&odom_from_footprint).inverse() * estimate.map_from_base;
+                self.footprint_from_base = Some(space);
+                let observation = odometry_of(&odom_from_footprint, estimate.stamp, &self.track);
                 self.ring.push(observation, &mut self.out);
                 self.n_new += 1;
             }

@@ -18,6 +18,7 @@ use super::stall::StallMonitor;
 use super::timing::{Part, StageTimes};
 use super::watchdog::StepLimits;
 use super::wish::WishMotion;
+use crate::frames::Pose3;
 use crate::map::{Layer, Map};
 use crate::messages::{Command, Goal, Observations, Status};
 use crate::odometry_track::OdometryTrack;
@@ -44,6 +45,8 @@ pub struct Engine {
     pub(super) out: Observations,
     pub(super) n_new: usize,
     pub(super) track: OdometryTrack,
+    pub(super) footprint_from_base: Option<Pose3>,
+    pub(super) mounts: Vec<Pose3>,
     pub(super) schedule: Schedule,
     pub(super) control: TaskId,
     pub(super) control_period: Span,

@@ -83,6 +83,8 @@ impl Engine {
             estimate_is_new: self.estimate_is_new,
             map_from_base,
             odom_from_base: self.track.now_at(self.now),
+            footprint_from_base: self.footprint_from_base,
+            mounts: &self.mounts,
             truth: self.world.truth(),
             command: &self.command,
             not_actuated: self.not_actuated,

@@ -7,6 +7,8 @@ use super::packed_step::ViewerCopy;
 use super::pose::{upright, upright2};
 use super::ros::{self, Stamped, layout};
 use super::step_encoder::sensor_name;
+use crate::nav_filter::FrameChain;
+use nalgebra::Translation3;
 use rumbo_core::engine::{EventKind, StepView};
 use rumbo_core::frames::Pose3;
 use rumbo_core::messages::{Data, Observation, ObservationKind, SensorId};
@@ -16,7 +18,9 @@ use std::io::{self, Write};
 /// Frames as REP-105 names them.
 const MAP: &str = "map";
 const ODOM: &str = "odom";
-const BASE: &str = "base_footprint";
+const FOOTPRINT: &str = "base_footprint";
+const STABILIZED: &str = "base_stabilized";
+const BASE: &str = "base_link";
 
 /// Topics that are no sensor's.
 const TOPICS: [(&str, Layout); 8] = [
@@ -49,6 +53,7 @@ pub struct ViewerCopies {
     topics: [Option<TopicId>; TOPICS.len()],
     sensors: Vec<(SensorId, ObservationKind, TopicId)>,
     mounts: Vec<(SensorId, Pose3)>,
+    is_rooted: bool,
     copies: Vec<Option<ViewerCopy>>,
     path_number: u64,
     map_version: Option<u64>,
@@ -68,11 +73,7 @@ impl ViewerCopies {
     /// Writes what is worth a look in this step.
     pub fn write<W: Write>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> io::Result<()> {
         if is_due(&mut self.tree_due, view.now, Self::TREE) {
-            let tree = [
-                (MAP, ODOM, upright(&view.estimate.map_from_odom)),
-                (ODOM, BASE, upright2(&view.odom_from_base)),
-            ];
-            self.say(to, Topic::Tree, view.now, |cdr| ros::put_transforms(cdr, view.now, &tree))?;
+            self.tree(to, view)?;
         }
         if is_due(&mut self.poses_due, view.now, Self::POSES) {
             self.poses(to, view)?;
@@ -86,6 +87,25 @@ impl ViewerCopies {
             self.map(to, view)?;
         }
         self.events(to, view)
+    }
+
+    /// The frames up to the body. Where nobody says how it leans, it stands upright once and for all.
+    fn tree<W: Write>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> io::Result<()> {
+        let on_floor = [
+            (MAP, ODOM, upright(&view.estimate.map_from_odom)),
+            (ODOM, FOOTPRINT, upright2(&view.odom_from_base)),
+        ];
+        let body = body_of(&view.footprint_from_base.unwrap_or_else(Pose3::identity));
+        if view.footprint_from_base.is_some() {
+            let [map, odom] = on_floor;
+            let [height, lean] = body;
+            let tree = [map, odom, height, lean];
+            return self.say(to, Topic::Tree, view.now, |cdr| ros::put_transforms(cdr, view.now, &tree));
+        }
+        if !std::mem::replace(&mut self.is_rooted, true) {
+            self.say(to, Topic::Mounts, view.now, |cdr| ros::put_transforms(cdr, view.now, &body))?;
+        }
+        self.say(to, Topic::Tree, view.now, |cdr| ros::put_transforms(cdr, view.now, &on_floor))
     }
 
     /// The map as the run leaves it.
@@ -125,7 +145,7 @@ impl ViewerCopies {
         self.copies.clear();
         let mut n_copies = 0;
         for observation in view.observations {
-            let readings = self.observation(to, view.now, observation, sensors)?;
+            let readings = self.observation(to, view, observation, sensors)?;
             // Readings beyond the last copy that can be named are written once more with their step.
             let copy = readings.zip(u8::try_from(n_copies).ok());
             n_copies += usize::from(readings.is_some());
@@ -143,11 +163,11 @@ impl ViewerCopies {
     fn observation<W: Write>(
         &mut self,
         to: &mut BagWriter<W>,
-        now: Time,
+        view: &StepView<'_>,
         observation: &Observation,
         sensors: &[String],
     ) -> io::Result<Option<(usize, usize)>> {
-        let (sensor, kind) = (observation.sensor, observation.data.kind());
+        let (now, sensor, kind) = (view.now, observation.sensor, observation.data.kind());
         let layout = match kind {
             ObservationKind::LaserScan => layout::LASER_SCAN,
             ObservationKind::PointCloud => layout::POINT_CLOUD,
@@ -159,7 +179,9 @@ impl ViewerCopies {
         if !self.mounts.contains(&mount) {
             self.mounts.retain(|(known, _)| *known != sensor);
             self.mounts.push(mount);
-            let mount = [(BASE, frame, mount.1)];
+            // What was turned level is no longer where the body carries it.
+            let is_carried = view.mounts.get(usize::from(sensor.0)) == Some(&mount.1);
+            let mount = [(if is_carried { BASE } else { FOOTPRINT }, frame, mount.1)];
             self.say(to, Topic::Mounts, now, |cdr| ros::put_transforms(cdr, now, &mount))?;
         }
         let known = self.sensors.iter().find(|known| (known.0, known.1) == (sensor, kind));
@@ -187,7 +209,7 @@ impl ViewerCopies {
         if let Some(truth) = view.truth {
             self.say(to, Topic::Truth, now, |cdr| ros::put_place(cdr, at, &truth.map_from_base))?;
         }
-        let at = Stamped { stamp: now, frame: BASE };
+        let at = Stamped { stamp: now, frame: FOOTPRINT };
         self.say(to, Topic::Velocity, now, |cdr| ros::put_twist(cdr, at, &view.command.twist))
     }
 
@@ -206,6 +228,14 @@ impl ViewerCopies {
         };
         to.write_with(id, now, put)
     }
+}
+
+/// Height, then roll and pitch.
+fn body_of(footprint_from_base: &Pose3) -> [(&'static str, &'static str, Pose3); 2] {
+    let chain = FrameChain::of(footprint_from_base);
+    let height = Pose3::translation(0.0, 0.0, chain.height_m);
+    let lean = Pose3::from_parts(Translation3::identity(), chain.stabilized_from_base);
+    [(FOOTPRINT, STABILIZED, height), (STABILIZED, BASE, lean)]
 }
 
 /// Whether it is time again, and if so, when the next time is.

@@ -18,11 +18,13 @@ const REACH_M: f64 = 0.25;
 /// ... and so many however far they are: where beams graze a wall.
 const LEAST_EACH_SIDE: usize = 3;
 /// Lines lie this often farther from their points than those of most of the scan do, in deviations, before they are bent.
-const STRAIGHT_DEVIATIONS: f64 = 2.0;
+const STRAIGHT_DEVIATIONS: f64 = 2.5;
 /// Deviations of points from their line that are believed of a laser or a camera, meters.
 const NOISE_M: [f64; 2] = [0.005, 0.05];
 /// Fewer points than this that tell a direction are none; noise bends a line now and then.
 const LEAST_POINTS: f64 = 1.0;
+/// So many make sure of a place that may be a wrong one.
+const PROOF_POINTS: f64 = 10.0;
 /// Evidence that is no more than so many times what noise pretends is none.
 const PRETENDED_TIMES: f64 = 3.0;
 /// The end of a wall counts as so many points that tell the way along it.
@@ -31,7 +33,7 @@ const END_POINTS: f64 = 5.0;
 /// Walls whose normals are less than 13 degrees apart are the same: the square of the cosine.
 const SAME_WALL: f64 = 0.95;
 /// A direction that so large a share of the points tells is told whichever of them count.
-const TOLD_SHARE: f64 = 0.1;
+const TOLD_SHARE: f64 = 0.3;
 
 /// The line through a point's neighbors.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +41,8 @@ struct Fit {
     /// The projection on its normal.
     across: Matrix2<f64>,
     mean_square_m2: f64,
+    /// Of the middle of those neighbors.
+    range_m: f64,
     /// Variance of the normal's direction.
     normal_rad2: f64,
 }
@@ -57,6 +61,8 @@ pub struct ShapePoint {
     pub at: [f32; 2],
     /// The normal of the line through its neighbors, to either side.
     pub normal: Option<[f32; 2]>,
+    /// The wall on which it lies ends here.
+    pub is_end: bool,
 }
 
 /// What is needed of a scan to say what it tells by itself; which of its points count depends on what they are laid on. It is not
@@ -65,8 +71,6 @@ pub struct ShapePoint {
 pub struct ScanShape {
     /// In order of bearing.
     points: Vec<ShapePoint>,
-    /// A wall ends there.
-    ends: Vec<bool>,
     extent_m: f64,
 }
 
@@ -85,16 +89,15 @@ impl ScanShape {
         };
         // Ends of walls only add to it, and take most of the time.
         unless_told(&told(&places, |_, _| false)?)?;
-        let (mut normals, mut ends) = (Vec::with_capacity(places.len()), Vec::with_capacity(places.len()));
+        let mut shape = Vec::with_capacity(places.len());
         let told = told(&places, |idx, across| {
             let is_end = ends_wall(idx, across);
-            normals.push(normal_of(across));
-            ends.push(is_end);
+            let at = places.get(idx).copied().unwrap_or_default();
+            shape.push(ShapePoint { at, normal: normal_of(across), is_end });
             is_end
         })?;
-        let points_of = places.iter().zip(normals).map(|(at, normal)| ShapePoint { at: *at, normal });
         unless_told(&told)?;
-        Some(ScanShape { points: points_of.collect(), ends, extent_m })
+        Some(ScanShape { points: shape, extent_m })
     }
 
     /// In order of bearing.
@@ -110,8 +113,19 @@ impl ScanShape {
     /// The same of those points alone whose surface is known where the scan is laid: what is seen for the first time tells nothing
     /// of where the robot is. Nothing where none is.
     pub fn blind_where(&self, is_known: impl Fn(&ShapePoint) -> bool) -> Option<Observability> {
-        let known = self.points.iter().zip(&self.ends).filter(|(point, _)| is_known(point));
-        let (known, ends): (Vec<ShapePoint>, Vec<bool>) = known.unzip();
+        let (told, n_points) = self.told_where(is_known)?;
+        blind(&told, n_points, self.extent_m, LEAST_POINTS)
+    }
+
+    /// Those points alone tell all directions, and none of them by a few only.
+    pub fn proves_where(&self, is_known: impl Fn(&ShapePoint) -> bool) -> bool {
+        let told = self.told_where(is_known);
+        told.is_some_and(|(told, n_points)| blind(&told, n_points, self.extent_m, PROOF_POINTS).is_none())
+    }
+
+    /// What those points tell, and how many they are.
+    fn told_where(&self, is_known: impl Fn(&ShapePoint) -> bool) -> Option<(Told, usize)> {
+        let known: Vec<&ShapePoint> = self.points.iter().filter(|point| is_known(point)).collect();
         let places: Vec<[f32; 2]> = known.iter().map(|point| point.at).collect();
         // Without what stands before a wall, the line at a point may be another one.
         let is_same = |normal: &[f32; 2], across: &Matrix2<f64>| {
@@ -119,12 +133,10 @@ impl ScanShape {
             normal.dot(&(across * normal)) > SAME_WALL
         };
         let ends_wall = |idx: usize, across: &Matrix2<f64>| {
-            let normal =
-                known.get(idx).filter(|_| ends.get(idx) == Some(&true)).and_then(|point| point.normal);
+            let normal = known.get(idx).filter(|point| point.is_end).and_then(|point| point.normal);
             normal.is_some_and(|normal| is_same(&normal, across))
         };
-        let told = told(&places, ends_wall)?;
-        blind(&told, places.len(), self.extent_m)
+        Some((told(&places, ends_wall)?, places.len()))
     }
 }
 
@@ -139,9 +151,9 @@ fn linearized(told: &Told, n_points: usize) -> Linearized {
 }
 
 /// Takes apart what the points tell; nothing where they tell every direction.
-fn blind(told: &Told, n_points: usize, extent_m: f64) -> Option<Observability> {
+fn blind(told: &Told, n_points: usize, extent_m: f64, least_points: f64) -> Option<Observability> {
     let evidence = linearized(told, n_points);
-    let floor_per_m2 = LEAST_POINTS / evidence.weight;
+    let floor_per_m2 = least_points / evidence.weight;
     // Most scans tell everything, and that is seen at once.
     let sure = ObservabilitySettings { floor_per_m2: 2.0 * floor_per_m2, ratio: 0.01 };
     Observability::unless_complete(&evidence, extent_m, &sure)?;
@@ -159,8 +171,8 @@ fn told(points: &[[f32; 2]], mut ends_wall: impl FnMut(usize, &Matrix2<f64>) -> 
     let sums = running_sums(points);
     let windows = windows(points);
     let around: Vec<Option<Fit>> = windows.iter().map(|[first, end]| fit(&sums, *first, *end)).collect();
-    let straight_m2 = STRAIGHT_DEVIATIONS.powi(2) * noise_m2(&around)?;
-    let is_straight = |fit: &Fit| fit.mean_square_m2 <= straight_m2;
+    let noise = Noise::of(&around)?;
+    let is_straight = |fit: &Fit| fit.mean_square_m2.sqrt() <= STRAIGHT_DEVIATIONS * noise.at_m(fit.range_m);
     let mut told = Told::default();
     let places = points.iter().zip(windows.iter().zip(around));
     for (idx, ([x, y], ([first, end], around))) in places.enumerate() {
@@ -184,15 +196,44 @@ fn told(points: &[[f32; 2]], mut ends_wall: impl FnMut(usize, &Matrix2<f64>) -> 
     Some(told)
 }
 
-/// The median square of how far points lie from their line, where there are enough points to tell.
-fn noise_m2(fits: &[Option<Fit>]) -> Option<f64> {
-    let mut squares: Vec<f64> = fits.iter().flatten().map(|fit| fit.mean_square_m2).collect();
-    if squares.is_empty() {
-        return None;
+/// How far points lie from straight lines: of a laser the same at all ranges, of a camera more at long ones.
+#[derive(Debug, Clone, Copy)]
+struct Noise {
+    near_m: f64,
+    near_range_m: f64,
+    per_m: f64,
+}
+
+impl Noise {
+    /// By the medians of the nearer and the farther half; none where no points have a line.
+    fn of(fits: &[Option<Fit>]) -> Option<Noise> {
+        let mut fits: Vec<(f64, f64)> =
+            fits.iter().flatten().map(|fit| (fit.range_m, fit.mean_square_m2.sqrt())).collect();
+        let middle = fits.len() / 2;
+        if fits.len() < 2 {
+            return None;
+        }
+        fits.select_nth_unstable_by(middle, |one, other| one.0.total_cmp(&other.0));
+        let (near, far) = fits.split_at_mut(middle);
+        let ([near_range_m, near_m], [far_range_m, far_m]) = (medians(near), medians(far));
+        let apart_m = far_range_m - near_range_m;
+        let per_m = if apart_m > 0.0 { ((far_m - near_m) / apart_m).max(0.0) } else { 0.0 };
+        Some(Noise { near_m, near_range_m, per_m })
     }
-    let middle = squares.len() / 2;
-    let (_, median, _) = squares.select_nth_unstable_by(middle, f64::total_cmp);
-    Some(median.clamp(NOISE_M[0].powi(2), NOISE_M[1].powi(2)))
+
+    fn at_m(&self, range_m: f64) -> f64 {
+        let [least_m, most_m] = NOISE_M;
+        (self.near_m + self.per_m * (range_m - self.near_range_m).max(0.0)).clamp(least_m, most_m)
+    }
+}
+
+fn medians(pairs: &mut [(f64, f64)]) -> [f64; 2] {
+    let middle = pairs.len() / 2;
+    let mut median = |of: fn(&(f64, f64)) -> f64| {
+        pairs.select_nth_unstable_by(middle, |one, other| of(one).total_cmp(&of(other)));
+        pairs.get(middle).map_or(0.0, of)
+    };
+    [median(|pair| pair.0), median(|pair| pair.1)]
 }
 
 /// Sums of x, y, x², xy, y² over the points before each.
@@ -243,5 +284,5 @@ fn fit(sums: &[[f64; 5]], first: usize, end: usize) -> Option<Fit> {
     }
     let across = (Matrix2::identity() * along_m2 - Matrix2::new(xx, xy, xy, yy)) / spread;
     let mean_square_m2 = across_m2 * n / (n - 2.0);
-    Some(Fit { across, mean_square_m2, normal_rad2: mean_square_m2 / (n * along_m2) })
+    Some(Fit { across, mean_square_m2, range_m: x.hypot(y), normal_rad2: mean_square_m2 / (n * along_m2) })
 }

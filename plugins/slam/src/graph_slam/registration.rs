@@ -133,7 +133,8 @@ fn known_to(
                 (normal[0] * near.normal[0] + normal[1] * near.normal[1]).abs()
             });
             let off_m = (near.at[0] - at[0]).hypot(near.at[1] - at[1]);
-            f64::from(off_m) <= within_m && facing >= LEAST_FACING
+            // Whether a wall ends there the reference cannot say: it may have seen no more of it.
+            f64::from(off_m) <= within_m && facing >= LEAST_FACING && !point.is_end
         })
     }
 }

@@ -86,9 +86,9 @@ pub(super) fn is_on(levels: &Map, points: &ScanPoints, map_from_base: &Pose2) ->
     let levels = levels_of(levels);
     let is_known = drawn_near(&levels, map_from_base, KNOWN_M);
     let is_proven = drawn_along(&levels, map_from_base, KNOWN_M);
-    let n_known =
-        points.iter().filter(|[x, y, _]| is_known(&ShapePoint { at: [*x, *y], normal: None })).count();
-    let is_told = || points.shape().is_none_or(|shape| shape.blind_where(&is_proven).is_none());
+    let of_place = |[x, y, _]: &[f32; 3]| ShapePoint { at: [*x, *y], normal: None, is_end: false };
+    let n_known = points.iter().filter(|point| is_known(&of_place(point))).count();
+    let is_told = || points.shape().is_none_or(|shape| shape.proves_where(&is_proven));
     n_known as f64 >= LEAST_KNOWN * points.len() as f64 && is_told()
 }
 

@@ -4,7 +4,7 @@
 use super::course::{Mapper, off_m};
 use super::world::{LoopWorld, lane, laser, observation, rubbish, stream};
 use rumbo_core::frames::{Pose2, pose2};
-use rumbo_core::messages::{Data, Estimate, LaserScan, Odometry, Status};
+use rumbo_core::messages::{Data, Estimate, LaserScan, Odometry, Prior, Status};
 use rumbo_core::rng::Rng;
 use rumbo_core::time::Time;
 use rumbo_slam::graph_slam::GraphSlamParams;
@@ -279,16 +279,28 @@ fn people_who_step_out_between_bare_walls_hold_nobody_back() {
         63..=75 => bare_walls(&[[9.6, -0.4]]),
         _ => bare_walls(&[]),
     };
-    between(
-        &steps_out,
-        |_| true,
-        |name, k, estimate, off| {
-            let (off_m, deviation_m) = (off.translation.x.abs(), estimate.covariance2()[(0, 0)].sqrt());
-            assert_eq!(estimate.status, Status::Tracking, "{name}: {k}");
-            assert!(off_m < (3.0 * deviation_m).max(0.1), "{name}: {k} {off}, {deviation_m} m");
-            assert!(off_m < 0.5 && deviation_m < 0.4, "{name}: {k} {off}, {deviation_m} m");
-        },
-    );
+    between(&steps_out, |_| true, is_covered(0.1));
+}
+
+/// Somebody steps out right before the robot, so near that he is a sixth of all it sees.
+#[test]
+fn somebody_who_steps_out_right_before_it_holds_nobody_back() {
+    let steps_out = |k: i32| match k {
+        20..=27 => bare_walls(&[[3.1, 0.6]]),
+        45..=52 => bare_walls(&[[5.4, -0.55]]),
+        _ => bare_walls(&[]),
+    };
+    between(&steps_out, |_| true, is_covered(0.1));
+}
+
+/// It tracks its way, and is no farther off than this, or than its deviation covers.
+fn is_covered(least_m: f64) -> impl Fn(&str, i32, &Estimate, &Pose2) {
+    move |name, k, estimate, off| {
+        let (off_m, deviation_m) = (off.translation.x.abs(), estimate.covariance2()[(0, 0)].sqrt());
+        assert_eq!(estimate.status, Status::Tracking, "{name}: {k}");
+        assert!(off_m < (3.0 * deviation_m).max(least_m), "{name}: {k} {off}, {deviation_m} m");
+        assert!(off_m < 0.5 && deviation_m < 0.4, "{name}: {k} {off}, {deviation_m} m");
+    }
 }
 
 /// Somebody stands there once nobody knows the way any more: beside him the robot finds its way, and not on the map.
@@ -296,6 +308,13 @@ fn people_who_step_out_between_bare_walls_hold_nobody_back() {
 fn somebody_between_bare_walls_makes_nobody_sure_who_was_not() {
     let stands = |k: i32| if k <= 30 { bare_walls(&[]) } else { bare_walls(&[[9.5, 0.5]]) };
     between(&stands, |_| false, |name, k, estimate, off| is_not_sure(name, k, [12, 3], estimate, off));
+}
+
+/// What a laser sees whose reach is six meters.
+fn near_sighted(mut scan: LaserScan) -> LaserScan {
+    let far = scan.ranges_m.make_mut().iter_mut().filter(|range_m| **range_m > 6.0);
+    far.for_each(|range_m| *range_m = f32::INFINITY);
+    LaserScan { max_range_m: 6.0, ..scan }
 }
 
 /// A laser that sees six meters, between walls with one end: back to where that is not seen, and there again, without wheels.
@@ -308,13 +327,7 @@ fn who_comes_back_to_what_was_mapped_before_is_sure_again() {
         for k in 0..=160i32 {
             let at_m = -0.05 * f64::from(if k <= 80 { k } else { 160 - k });
             let truth = pose2(at_m, 0.0, 0.0);
-            let mut scan = world.scan(&truth, &mut rng);
-            scan.ranges_m
-                .make_mut()
-                .iter_mut()
-                .filter(|range_m| **range_m > 6.0)
-                .for_each(|range_m| *range_m = f32::INFINITY);
-            scan.max_range_m = 6.0;
+            let scan = near_sighted(world.scan(&truth, &mut rng));
             let estimate = mapper.see(&[laser(1.0 + 0.1 * f64::from(k), scan)]);
             let (off, deviation_m) =
                 (truth.inverse() * estimate.pose2(), estimate.covariance2()[(0, 0)].sqrt());
@@ -326,5 +339,63 @@ fn who_comes_back_to_what_was_mapped_before_is_sure_again() {
         let (estimate, off) = last.unwrap();
         let knows = estimate.status == Status::Tracking && off.translation.x.abs() < 0.15;
         assert!(knows, "{name}: {:?} {off}", estimate.status);
+    }
+}
+
+/// Ten meters of a bare corridor, a bend to the left, and on: after each scan.
+fn around_a_bend(k: i32) -> Pose2 {
+    let way_m = 0.1 * f64::from(k);
+    let (to_bend_m, radius_m) = (10.0, 2.0);
+    let turn_rad = ((way_m - to_bend_m) / radius_m).clamp(0.0, std::f64::consts::FRAC_PI_2);
+    let past_m = (way_m - to_bend_m - radius_m * std::f64::consts::FRAC_PI_2).max(0.0);
+    let (sin, cos) = turn_rad.sin_cos();
+    pose2(way_m.min(to_bend_m) + radius_m * sin, radius_m * (1.0 - cos) + past_m, turn_rad)
+}
+
+/// The next leg tells the way that the last one did not, but on what was mapped since nobody knew it.
+#[test]
+fn around_a_bend_of_bare_walls_nobody_becomes_sure() {
+    let world = LoopWorld::of(vec![
+        [-60.0, -1.0, 13.0, -1.0],
+        [-60.0, 1.0, 11.0, 1.0],
+        [13.0, -1.0, 13.0, 60.0],
+        [11.0, 1.0, 11.0, 60.0],
+    ]);
+    for (name, mut mapper) in mappers(Pose2::identity()) {
+        let mut rng = stream(12);
+        for k in 0..=200 {
+            let truth = around_a_bend(k);
+            let scan = near_sighted(world.scan(&truth, &mut rng));
+            let estimate = mapper.see(&[laser(1.0 + 0.1 * f64::from(k), scan)]);
+            let off = estimate.pose2().translation.vector - truth.translation.vector;
+            let deviations_m = estimate.covariance2().diagonal().xy().map(f64::sqrt);
+            let is_covered = (0..2).all(|axis| off[axis].abs() < (3.0 * deviations_m[axis]).max(0.1));
+            assert!(k < 3 || is_covered, "{name}: {k} {off}, {deviations_m}");
+            assert!(k <= 12 || estimate.status == Status::Converging, "{name}: {k} {:?}", estimate.status);
+        }
+    }
+}
+
+/// Who did not know his way when his state was saved does not know it afterwards.
+#[test]
+fn a_state_saved_by_who_is_not_sure_makes_nobody_sure() {
+    let world = bare_walls(&[]);
+    let fresh = mappers(Pose2::identity());
+    for ((name, mut mapper), (_, mut resumed)) in mappers(Pose2::identity()).into_iter().zip(fresh) {
+        let mut rng = stream(13);
+        let mut see = |mapper: &mut Mapper, k: i32| {
+            let truth = pose2(0.1 * f64::from(k), 0.0, 0.0);
+            let estimate = mapper.see(&[laser(1.0 + 0.1 * f64::from(k), world.scan(&truth, &mut rng))]);
+            (truth.inverse() * estimate.pose2(), estimate)
+        };
+        let before = (0..=40).map(|k| see(&mut mapper, k)).last().unwrap().1;
+        let saved = mapper.slam.save().unwrap();
+        resumed.slam.start(&Prior::Saved(saved.into()), &mut resumed.map).unwrap();
+        for k in 41..=60 {
+            let (off, estimate) = see(&mut resumed, k);
+            is_not_sure(name, k, [40, 40], &estimate, &off);
+            let grown = estimate.covariance2()[(0, 0)] / before.covariance2()[(0, 0)];
+            assert!(grown > 0.99, "{name}: {k} {grown}");
+        }
     }
 }

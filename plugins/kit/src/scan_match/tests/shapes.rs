@@ -3,6 +3,7 @@
 use super::*;
 use crate::GridSize;
 use crate::scan_odometry::tests::{Wall, corridor, seen};
+use rand_distr::{Distribution, StandardNormal};
 use rumbo_core::frames::Pose3;
 use rumbo_core::messages::LaserScan;
 use rumbo_core::rng;
@@ -56,6 +57,34 @@ fn what_lies_across_a_corridor_tells_the_way() {
     // Some points on it are enough, and what is no deeper than the noise tells nothing.
     assert_eq!(n_blind(&with_jamb(0.3), &at, 361, 0.005), 0);
     assert_eq!(n_blind(&with_jamb(0.01), &at, 361, 0.03), 20);
+}
+
+/// What a depth camera of 57 degrees sees from here: up to 8 m, with noise of 1.5 mm at a meter that grows with the square.
+fn seen_by_camera(walls: &[Wall], at: &Pose2, seed: u64) -> LaserScan {
+    let mut rng = rng::stream(seed, "shapes");
+    let all = seen(walls, at, 505, 0.0, &mut rng);
+    let in_view = 173..333;
+    let first_bearing_rad = all.bearing_rad(in_view.start);
+    let read = |range_m: &f32| {
+        let noise: f32 = StandardNormal.sample(&mut rng);
+        let reading_m = range_m + 0.0015 * range_m.powi(2) * noise;
+        if reading_m < 8.0 { reading_m } else { f32::INFINITY }
+    };
+    let ranges_m: Vec<f32> = all.ranges_m[in_view].iter().map(read).collect();
+    LaserScan { first_bearing_rad, max_range_m: 8.0, ranges_m: ranges_m.into(), ..all }
+}
+
+#[test]
+fn a_camera_whose_noise_grows_does_not_see_the_way_along_a_corridor_either() {
+    for yaw_rad in [0.0, 0.2, -0.4, 0.9] {
+        let at = pose2(0.0, 0.2, yaw_rad);
+        let n_blind = |walls: &[Wall]| {
+            (0..20).filter(|seed| shape(&seen_by_camera(walls, &at, *seed)).is_some()).count()
+        };
+        let mut ended = corridor();
+        ended.push([[5.0, -1.2], [5.0, 1.2]]);
+        println!("{yaw_rad}: {} {}", n_blind(&corridor()), n_blind(&ended));
+    }
 }
 
 #[test]
