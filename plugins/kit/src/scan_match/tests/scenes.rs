@@ -51,7 +51,7 @@ impl Scene {
     }
 
     /// Cells that a wall passes are sure, the others free.
-    fn drawn(walls: Vec<[f64; 4]>, resolution_m: f64) -> Scene {
+    pub fn drawn(walls: Vec<[f64; 4]>, resolution_m: f64) -> Scene {
         let size = GridSize::new((12.0 / resolution_m) as usize, (10.0 / resolution_m) as usize);
         let mut cells = vec![-3.0; size.n_cells()];
         for [x0, y0, x1, y1] in &walls {
