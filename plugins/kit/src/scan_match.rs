@@ -13,6 +13,7 @@ mod gate;
 mod known;
 mod level;
 mod linearized;
+mod lines;
 mod logistic;
 mod matcher;
 mod observability;

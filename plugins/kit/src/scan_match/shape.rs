@@ -9,24 +9,19 @@
 //! (ICRA 2016), less what noise in the lines pretends.
 
 use super::linearized::Linearized;
+use super::lines::{Line, lines_of};
 use super::observability::{Observability, ObservabilitySettings};
 use super::points::ScanPoints;
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Vector2};
 
-/// Neighbors on each side that are this near are looked at, meters, ...
-const REACH_M: f64 = 0.25;
-/// ... and so many however far they are: where beams graze a wall.
-const LEAST_EACH_SIDE: usize = 3;
-/// Lines lie this often farther from their points than those of most of the scan do, in deviations, before they are bent.
-const STRAIGHT_DEVIATIONS: f64 = 2.5;
-/// Deviations of points from their line that are believed of a laser or a camera, meters.
-const NOISE_M: [f64; 2] = [0.005, 0.05];
 /// Fewer points than this that tell a direction are none; noise bends a line now and then.
 const LEAST_POINTS: f64 = 1.0;
 /// So many make sure of a place that may be a wrong one.
 const PROOF_POINTS: f64 = 10.0;
 /// Evidence that is no more than so many times what noise pretends is none.
 const PRETENDED_TIMES: f64 = 3.0;
+/// Of a scan in which no direction is told by few points, so many may be left out.
+const FEW_SHARE: f64 = 0.5 * WEAK_SHARE;
 /// The end of a wall counts as so many points that tell the way along it.
 const END_POINTS: f64 = 5.0;
 
@@ -34,18 +29,8 @@ const END_POINTS: f64 = 5.0;
 const SAME_WALL: f64 = 0.95;
 /// A direction that so large a share of the points tells is told whichever of them count.
 const TOLD_SHARE: f64 = 0.3;
-
-/// The line through a point's neighbors.
-#[derive(Debug, Clone, Copy)]
-struct Fit {
-    /// The projection on its normal.
-    across: Matrix2<f64>,
-    mean_square_m2: f64,
-    /// Of the middle of those neighbors.
-    range_m: f64,
-    /// Variance of the normal's direction.
-    normal_rad2: f64,
-}
+/// A direction that a smaller share tells hangs on few of them.
+const WEAK_SHARE: f64 = 0.1;
 
 /// What points tell of x, y and yaw, and what of that the noise in their lines pretends.
 #[derive(Debug, Clone, Copy, Default)]
@@ -72,6 +57,7 @@ pub struct ScanShape {
     /// In order of bearing.
     points: Vec<ShapePoint>,
     extent_m: f64,
+    is_weak: bool,
 }
 
 impl ScanShape {
@@ -83,26 +69,33 @@ impl ScanShape {
     ) -> Option<ScanShape> {
         let places: Vec<[f32; 2]> = points.iter().map(|[x, y, _]| [x, y]).collect();
         let extent_m = points.extent_m();
-        let many_times = ObservabilitySettings { floor_per_m2: TOLD_SHARE, ratio: 0.0 };
-        let unless_told = |told: &Told| {
+        let unless_told = |told: &Told, share: f64| {
+            let many_times = ObservabilitySettings { floor_per_m2: share, ratio: 0.0 };
             Observability::unless_complete(&linearized(told, places.len()), extent_m, &many_times)
         };
         // Ends of walls only add to it, and take most of the time.
-        unless_told(&told(&places, |_, _| false)?)?;
+        let lines = lines_of(&places)?;
+        unless_told(&told(&places, &lines, |_, _| false), TOLD_SHARE)?;
         let mut shape = Vec::with_capacity(places.len());
-        let told = told(&places, |idx, across| {
+        let told = told(&places, &lines, |idx, across| {
             let is_end = ends_wall(idx, across);
             let at = places.get(idx).copied().unwrap_or_default();
             shape.push(ShapePoint { at, normal: normal_of(across), is_end });
             is_end
-        })?;
-        unless_told(&told)?;
-        Some(ScanShape { points: shape, extent_m })
+        });
+        unless_told(&told, TOLD_SHARE)?;
+        let is_weak = unless_told(&told, WEAK_SHARE).is_some();
+        Some(ScanShape { points: shape, extent_m, is_weak })
     }
 
     /// In order of bearing.
     pub fn points(&self) -> &[ShapePoint] {
         &self.points
+    }
+
+    /// Few of the points tell some direction.
+    pub fn is_weak(&self) -> bool {
+        self.is_weak
     }
 
     /// Directions, in the base frame, of which the scan tells something and nothing; none where it tells all of them.
@@ -126,6 +119,11 @@ impl ScanShape {
     /// What those points tell, and how many they are.
     fn told_where(&self, is_known: impl Fn(&ShapePoint) -> bool) -> Option<(Told, usize)> {
         let known: Vec<&ShapePoint> = self.points.iter().filter(|point| is_known(point)).collect();
+        let n_unknown = self.points.len() - known.len();
+        // What is told many times over is told without a few.
+        if !self.is_weak && n_unknown as f64 <= FEW_SHARE * self.points.len() as f64 {
+            return None;
+        }
         let places: Vec<[f32; 2]> = known.iter().map(|point| point.at).collect();
         // Without what stands before a wall, the line at a point may be another one.
         let is_same = |normal: &[f32; 2], across: &Matrix2<f64>| {
@@ -136,7 +134,7 @@ impl ScanShape {
             let normal = known.get(idx).filter(|point| point.is_end).and_then(|point| point.normal);
             normal.is_some_and(|normal| is_same(&normal, across))
         };
-        Some((told(&places, ends_wall)?, places.len()))
+        Some((told(&places, &lines_of(&places)?, ends_wall), places.len()))
     }
 }
 
@@ -166,23 +164,15 @@ fn blind(told: &Told, n_points: usize, extent_m: f64, least_points: f64) -> Opti
     (!shape.is_complete() && !shape.is_empty()).then_some(shape)
 }
 
-/// Sums over all points; none where there is no line among them. `ends_wall` is asked of every point in turn.
-fn told(points: &[[f32; 2]], mut ends_wall: impl FnMut(usize, &Matrix2<f64>) -> bool) -> Option<Told> {
-    let sums = running_sums(points);
-    let windows = windows(points);
-    let around: Vec<Option<Fit>> = windows.iter().map(|[first, end]| fit(&sums, *first, *end)).collect();
-    let noise = Noise::of(&around)?;
-    let is_straight = |fit: &Fit| fit.mean_square_m2.sqrt() <= STRAIGHT_DEVIATIONS * noise.at_m(fit.range_m);
+/// Sums over all points. `ends_wall` is asked of every point in turn.
+fn told(
+    points: &[[f32; 2]],
+    lines: &[Option<Line>],
+    mut ends_wall: impl FnMut(usize, &Matrix2<f64>) -> bool,
+) -> Told {
     let mut told = Told::default();
-    let places = points.iter().zip(windows.iter().zip(around));
-    for (idx, ([x, y], ([first, end], around))) in places.enumerate() {
+    for (idx, ([x, y], line)) in points.iter().zip(lines).enumerate() {
         let arm = Matrix2x3::new(1.0, 0.0, -f64::from(*y), 0.0, 1.0, f64::from(*x));
-        // Around a corner neither line is bent.
-        let side = || {
-            let sides = [fit(&sums, *first, idx + 1), fit(&sums, idx, *end)].into_iter().flatten();
-            sides.min_by(|one, other| one.mean_square_m2.total_cmp(&other.mean_square_m2)).filter(is_straight)
-        };
-        let line = around.filter(is_straight).or_else(side);
         let is_end = ends_wall(idx, &line.map_or_else(Matrix2::zeros, |line| line.across));
         let Some(line) = line else {
             told.evidence += arm.transpose() * arm * 0.5;
@@ -193,96 +183,5 @@ fn told(points: &[[f32; 2]], mut ends_wall: impl FnMut(usize, &Matrix2<f64>) -> 
         told.evidence += arm.transpose() * (line.across + along * end) * arm;
         told.pretended += arm.transpose() * along * arm * line.normal_rad2;
     }
-    Some(told)
-}
-
-/// How far points lie from straight lines: of a laser the same at all ranges, of a camera more at long ones.
-#[derive(Debug, Clone, Copy)]
-struct Noise {
-    near_m: f64,
-    near_range_m: f64,
-    per_m: f64,
-}
-
-impl Noise {
-    /// By the medians of the nearer and the farther half; none where no points have a line.
-    fn of(fits: &[Option<Fit>]) -> Option<Noise> {
-        let mut fits: Vec<(f64, f64)> =
-            fits.iter().flatten().map(|fit| (fit.range_m, fit.mean_square_m2.sqrt())).collect();
-        let middle = fits.len() / 2;
-        if fits.len() < 2 {
-            return None;
-        }
-        fits.select_nth_unstable_by(middle, |one, other| one.0.total_cmp(&other.0));
-        let (near, far) = fits.split_at_mut(middle);
-        let ([near_range_m, near_m], [far_range_m, far_m]) = (medians(near), medians(far));
-        let apart_m = far_range_m - near_range_m;
-        let per_m = if apart_m > 0.0 { ((far_m - near_m) / apart_m).max(0.0) } else { 0.0 };
-        Some(Noise { near_m, near_range_m, per_m })
-    }
-
-    fn at_m(&self, range_m: f64) -> f64 {
-        let [least_m, most_m] = NOISE_M;
-        (self.near_m + self.per_m * (range_m - self.near_range_m).max(0.0)).clamp(least_m, most_m)
-    }
-}
-
-fn medians(pairs: &mut [(f64, f64)]) -> [f64; 2] {
-    let middle = pairs.len() / 2;
-    let mut median = |of: fn(&(f64, f64)) -> f64| {
-        pairs.select_nth_unstable_by(middle, |one, other| of(one).total_cmp(&of(other)));
-        pairs.get(middle).map_or(0.0, of)
-    };
-    [median(|pair| pair.0), median(|pair| pair.1)]
-}
-
-/// Sums of x, y, x², xy, y² over the points before each.
-fn running_sums(points: &[[f32; 2]]) -> Vec<[f64; 5]> {
-    let mut sum = [0.0; 5];
-    let mut sums = Vec::with_capacity(points.len() + 1);
-    sums.push(sum);
-    for [x, y] in points {
-        let [x, y] = [x, y].map(|v| f64::from(*v));
-        sum.iter_mut().zip([x, y, x * x, x * y, y * y]).for_each(|(sum, more)| *sum += more);
-        sums.push(sum);
-    }
-    sums
-}
-
-/// The points that are looked at around each: the first, and the one after the last.
-fn windows(points: &[[f32; 2]]) -> Vec<[usize; 2]> {
-    let at = |idx: usize| points.get(idx).map(|at| Vector2::from(*at));
-    let is_near = |one: usize, other: usize| {
-        let apart = at(one).zip(at(other)).map(|(one, other)| (one - other).norm_squared());
-        apart.is_some_and(|m2| f64::from(m2) <= REACH_M * REACH_M)
-    };
-    let (mut first, mut last) = (0, 0);
-    let window = |idx: usize| {
-        while idx > first + LEAST_EACH_SIDE && !is_near(first, idx) {
-            first += 1;
-        }
-        last = idx.max(last);
-        while last + 1 < points.len() && (last < idx + LEAST_EACH_SIDE || is_near(last + 1, idx)) {
-            last += 1;
-        }
-        [first, last + 1]
-    };
-    (0..points.len()).map(window).collect()
-}
-
-/// The line through a run of points by orthogonal least squares; none through fewer than four, or without a direction.
-fn fit(sums: &[[f64; 5]], first: usize, end: usize) -> Option<Fit> {
-    let n_points = end.checked_sub(first).filter(|n| *n > LEAST_EACH_SIDE)?;
-    let (before, after) = (sums.get(first)?, sums.get(end)?);
-    let n = n_points as f64;
-    let [x, y, xx, xy, yy] = std::array::from_fn(|k| (after[k] - before[k]) / n);
-    let (xx, xy, yy) = (xx - x * x, xy - x * y, yy - y * y);
-    let spread = (xx - yy).hypot(2.0 * xy);
-    let (along_m2, across_m2) = (0.5 * (xx + yy + spread), (0.5 * (xx + yy - spread)).max(0.0));
-    if !(spread > 1e-9 && spread.is_finite()) {
-        return None;
-    }
-    let across = (Matrix2::identity() * along_m2 - Matrix2::new(xx, xy, xy, yy)) / spread;
-    let mean_square_m2 = across_m2 * n / (n - 2.0);
-    Some(Fit { across, mean_square_m2, range_m: x.hypot(y), normal_rad2: mean_square_m2 / (n * along_m2) })
+    told
 }

@@ -58,7 +58,7 @@ impl Surface {
         let ranges_m = [limits.min_range_m, limits.max_range_m];
         let shape = shape_of(scan, base_from_sensor, ranges_m);
         let mut points = surface_of(scan, base_from_sensor, limits);
-        if let Some(shape) = &shape {
+        if let Some(shape) = shape.as_ref().filter(|shape| shape.is_weak()) {
             put_on_lines(&mut points, shape, base_from_sensor);
         }
         Surface { points, shape }
