@@ -7,8 +7,10 @@ use rumbo_core::frames::Pose2;
 
 /// A cell of which more is said than this is drawn as something.
 const DRAWN: f32 = 0.5;
-/// A wall is looked for so many times farther along it: a face that meets a wall is not on it, and an end ends it.
+/// A wall is looked for so many times farther along it: a face that meets a wall is not on it.
 const BESIDE_TIMES: f32 = 2.0;
+/// So many times farther than its last point a wall is over: the beam beside that may have passed it by a little only.
+const BEYOND_TIMES: f32 = 3.0;
 
 /// Says of points of a scan laid here whether a cell with something lies within this distance and half a cell, on the coarsest of
 /// the levels with a third of the distance as their cells, or the finest; of the end of a wall whether one ends there.
@@ -35,7 +37,7 @@ pub fn drawn_along<'a, L: MatchLevel>(
         None => ground.is_drawn(point.at),
         // Beams far apart draw walls as dots, and next to each of them nothing is.
         Some(_) if point.is_end => false,
-        Some(normal) => ground.beside(point.at, normal).iter().all(|at| ground.is_drawn(*at)),
+        Some(normal) => ground.beside(point.at, normal, BESIDE_TIMES).iter().all(|at| ground.is_drawn(*at)),
     }
 }
 
@@ -53,16 +55,20 @@ impl<'a, L: MatchLevel> Ground<'a, L> {
     }
 
     /// Along the line with this normal, to both sides.
-    fn beside(&self, [x, y]: [f32; 2], [nx, ny]: [f32; 2]) -> [[f32; 2]; 2] {
-        let aside_m = BESIDE_TIMES * self.within_m as f32;
+    fn beside(&self, [x, y]: [f32; 2], [nx, ny]: [f32; 2], times: f32) -> [[f32; 2]; 2] {
+        let aside_m = times * self.within_m as f32;
         [aside_m, -aside_m].map(|m| [x - m * ny, y + m * nx])
     }
 
     /// What is drawn here goes on to one side, and to the other it is known that nothing is.
     fn ends(&self, at: [f32; 2], normal: [f32; 2]) -> bool {
-        let [one, other] = self.beside(at, normal);
-        let is_between = |wall, open| self.is_drawn(wall) && self.is_free(open) && !self.is_drawn(open);
-        self.is_drawn(at) && (is_between(one, other) || is_between(other, one))
+        let walls = self.beside(at, normal, BESIDE_TIMES);
+        let mut beyond = self.beside(at, normal, BEYOND_TIMES);
+        beyond.reverse();
+        let is_between = |(wall, open): (&[f32; 2], &[f32; 2])| {
+            self.is_drawn(*wall) && self.is_free(*open) && !self.is_drawn(*open)
+        };
+        self.is_drawn(at) && walls.iter().zip(&beyond).any(is_between)
     }
 
     fn is_free(&self, at: [f32; 2]) -> bool {

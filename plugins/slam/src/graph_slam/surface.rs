@@ -58,7 +58,7 @@ impl Surface {
         let ranges_m = [limits.min_range_m, limits.max_range_m];
         let shape = shape_of(scan, base_from_sensor, ranges_m);
         let mut points = surface_of(scan, base_from_sensor, limits);
-        if let Some(shape) = shape.as_ref().filter(|shape| shape.is_weak()) {
+        if let Some(shape) = shape.as_ref().filter(|shape| limits.on_all_lines || shape.is_weak()) {
             put_on_lines(&mut points, shape, base_from_sensor);
         }
         Surface { points, shape }
@@ -114,6 +114,9 @@ pub(crate) struct SurfaceLimits {
     /// Neighbors farther apart than so many times what their beams would be on a wall seen straight on are parts of
     /// different things.
     pub steepest: f32,
+    /// Points that these limits put on no surface lie on the lines of the scan's shape wherever it is known, not only where few
+    /// points tell the way along a wall.
+    pub on_all_lines: bool,
 }
 
 impl SurfaceLimits {
@@ -126,6 +129,7 @@ impl SurfaceLimits {
         reach_beams: 15.0,
         noise_growing_1_m: 0.0,
         steepest: 15.0,
+        on_all_lines: false,
     };
 }
 

@@ -65,6 +65,7 @@ impl RbpfSlamParams {
             limits: SurfaceLimits {
                 min_range_m: self.min_range_m,
                 max_range_m: self.max_usable_range_m,
+                on_all_lines: true,
                 ..SurfaceLimits::SLANTED
             },
             registration: self.registration_settings(),
@@ -95,6 +96,7 @@ impl RbpfSlamParams {
                 reach_beams: 2.5,
                 steepest: 6.0,
                 noise_growing_1_m: 0.0,
+                on_all_lines: true,
             },
             registration: self.registration_settings(),
             n_recent: self.recent_scans as usize,
