@@ -7,7 +7,7 @@ use crate::run::on_interrupt;
 use crate::run::poses::Poses;
 use crate::terminal::Terminal;
 use crate::usage::{forget_peak_memory, peak_memory_mb, thread_cpu_s};
-use rumbo_core::engine::{EndReason, Engine};
+use rumbo_core::engine::{EndReason, Engine, Metrics};
 use rumbo_core::time::Span;
 use rumbo_kit::relations::{Relation, pose_near, read_relations, relation_errors};
 use rumbo_kit::spread::Spread;
@@ -60,6 +60,8 @@ struct Row {
     at_the_time: Option<Errors>,
     /// Where it knows at the end that the robot was; absent where it keeps no trajectory.
     at_the_end: Option<Errors>,
+    /// Share of the steps in which it said that it tracked its way.
+    tracked_share: f64,
     log_s: f64,
     wall_s: f64,
     cpu_s: Option<f64>,
@@ -128,8 +130,8 @@ fn row_of(
     let built = Engine::build(&ready.pipeline);
     let mut engine = built.map_err(|error| ready.explain(&error, args.json, terminal))?;
     let (clock, cpu_before) = (Instant::now(), thread_cpu_s());
-    let mut poses = Poses::default();
-    let end = engine.run(&mut [&mut poses], interrupt);
+    let (mut poses, mut metrics) = (Poses::default(), Metrics::new());
+    let end = engine.run(&mut [&mut poses, &mut metrics], interrupt);
     let (wall_s, cpu_after) = (clock.elapsed().as_secs_f64(), thread_cpu_s());
     if let Some(detail) = end.detail.filter(|_| end.reason != EndReason::Ended) {
         terminal.error(&format!("{} on {}: {detail}", pipeline.display(), log.display()));
@@ -146,6 +148,7 @@ fn row_of(
         n_relations: relations.len(),
         at_the_time: errors(log, thought, relations)?,
         at_the_end: errors(log, known, relations)?,
+        tracked_share: metrics.summary(end.reason, None).tracked_share,
         log_s: (engine.view().now - engine.view().started).as_secs(),
         wall_s,
         cpu_s: cpu_after.zip(cpu_before).map(|(after, before)| after - before),
@@ -181,13 +184,14 @@ fn name_of(path: &Path) -> String {
 
 fn head() -> String {
     format!(
-        "{:18} {:28} {:>12} {:>21} {:>21} {:>19} {:>10} {:>8} {:>8}",
+        "{:18} {:28} {:>12} {:>21} {:>21} {:>19} {:>9} {:>8} {:>8} {:>8}",
         "log",
         "pipeline",
         "relations",
         "at the time, m",
         "at the end, m",
         "at the end, deg",
+        "tracked",
         "x real",
         "x cpu",
         "MB"
@@ -209,12 +213,13 @@ fn line(row: &Row) -> String {
     };
     let megabytes = row.peak_memory_mb.map_or("-".to_owned(), |mb| format!("{mb:.0}"));
     format!(
-        "{:18} {:28} {used:>12} {:>21} {:>21} {:>19} {:>10} {:>8} {megabytes:>8}",
+        "{:18} {:28} {used:>12} {:>21} {:>21} {:>19} {:>7.1} % {:>8} {:>8} {megabytes:>8}",
         row.log,
         row.pipeline,
         meters(&row.at_the_time),
         meters(&row.at_the_end),
         degrees(&row.at_the_end),
+        100.0 * row.tracked_share,
         times(Some(row.wall_s)),
         times(row.cpu_s),
     )

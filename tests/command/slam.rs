@@ -221,9 +221,12 @@ fn several_logs_and_pipelines_are_one_table_with_the_errors_of_their_relations()
     let mean = |kind: &str| row["at_the_time"][kind]["mean"].as_f64().unwrap();
     assert!((mean("translation_m") - 0.1).abs() < 1e-4, "{row}");
     assert!((mean("rotation_rad") - 0.2 / 3.0).abs() < 1e-4, "{row}");
+    let tracked = row["tracked_share"].as_f64().unwrap();
+    assert!(tracked > 0.9 && tracked <= 1.0, "{row}");
     assert!(row["at_the_end"].is_null() && row["log_s"].as_f64().unwrap() > 900.0, "{row}");
     let table = give(&["eval", "slam", LINES, "--log", log.to_str().unwrap()]);
     assert!(table.stderr.contains("3 of 4") && table.stderr.contains("0.1000 +- "), "{}", table.stderr);
+    assert!(table.stderr.contains(&format!("{:.1} %", 100.0 * tracked)), "{}", table.stderr);
     let no_slam = give(&["eval", "slam", OFFICE, "--log", log.to_str().unwrap()]);
     assert_eq!(no_slam.code, 2, "{}", no_slam.stderr);
 }
