@@ -191,7 +191,8 @@ fn a_body_that_sways_leans_in_the_recording_as_it_does_in_the_world() {
     let attitudes: BTreeMap<Time, UnitQuaternion<f64>> = truth
         .map(|message| {
             let mut cdr = CdrReader::new(&message.data).unwrap();
-            (cdr.i32().unwrap(), cdr.u32().unwrap(), cdr.text().unwrap());
+            let (_seconds, _nanoseconds, _frame) =
+                (cdr.i32().unwrap(), cdr.u32().unwrap(), cdr.text().unwrap());
             let (_place, [i, j, k, w]): ([f64; 3], [f64; 4]) = (cdr.array().unwrap(), cdr.array().unwrap());
             (message.log_time, UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k)))
         })
