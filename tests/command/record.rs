@@ -218,7 +218,7 @@ fn a_body_that_sways_leans_in_the_recording_as_it_does_in_the_world() {
         ("base_footprint", "odom"),
         ("base_stabilized", "base_footprint"),
         ("laser", "base_link"),
-        ("level_laser", "base_footprint"),
+        ("level_laser", "base_stabilized"),
     ] {
         assert_eq!(parents(child), BTreeSet::from([parent]), "{child}");
     }

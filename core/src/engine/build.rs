@@ -181,7 +181,7 @@ impl Engine {
             wish: WishMotion::default(),
             track: OdometryTrack::new(),
             footprint_from_base: pipeline.odometer.as_ref().map(|_| Pose3::identity()),
-            mounts: pipeline.sensors.iter().map(|sensor| sensor.base_from_sensor).collect(),
+            derived: pipeline.sensors.iter().map(|sensor| !sensor.inputs.is_empty()).collect(),
             out: Observations::default(),
             command: Command::default(),
             events: Vec::with_capacity(64),

@@ -40,8 +40,8 @@ pub struct StepView<'a> {
     /// The body over its place on the floor, as the odometer seat said last: height, roll and pitch; none without that seat.
     #[doc(alias = "base_stabilized")]
     pub footprint_from_base: Option<Pose3>,
-    /// Where the sensors sit on the body, as the pipeline says, in the order of their numbers.
-    pub mounts: &'a [Pose3],
+    /// Which sensors derive from others, in the order of their numbers: what they say may have been leveled.
+    pub derived: &'a [bool],
     /// Where the robot really is, where the world knows.
     pub truth: Option<&'a Truth>,
     /// What went to the wheels last.

@@ -46,7 +46,7 @@ pub struct Engine {
     pub(super) n_new: usize,
     pub(super) track: OdometryTrack,
     pub(super) footprint_from_base: Option<Pose3>,
-    pub(super) mounts: Vec<Pose3>,
+    pub(super) derived: Vec<bool>,
     pub(super) schedule: Schedule,
     pub(super) control: TaskId,
     pub(super) control_period: Span,

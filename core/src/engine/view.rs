@@ -84,7 +84,7 @@ impl Engine {
             map_from_base,
             odom_from_base: self.track.now_at(self.now),
             footprint_from_base: self.footprint_from_base,
-            mounts: &self.mounts,
+            derived: &self.derived,
             truth: self.world.truth(),
             command: &self.command,
             not_actuated: self.not_actuated,

@@ -179,9 +179,9 @@ impl ViewerCopies {
         if !self.mounts.contains(&mount) {
             self.mounts.retain(|(known, _)| *known != sensor);
             self.mounts.push(mount);
-            // What was turned level is no longer where the body carries it.
-            let is_carried = view.mounts.get(usize::from(sensor.0)) == Some(&mount.1);
-            let mount = [(if is_carried { BASE } else { FOOTPRINT }, frame, mount.1)];
+            // What was turned level has the body's lean in its own pose.
+            let is_derived = view.derived.get(usize::from(sensor.0)) == Some(&true);
+            let mount = [(if is_derived { STABILIZED } else { BASE }, frame, mount.1)];
             self.say(to, Topic::Mounts, now, |cdr| ros::put_transforms(cdr, now, &mount))?;
         }
         let known = self.sensors.iter().find(|known| (known.0, known.1) == (sensor, kind));

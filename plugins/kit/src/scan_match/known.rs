@@ -11,6 +11,9 @@ const DRAWN: f32 = 0.5;
 const BESIDE_TIMES: f32 = 2.0;
 /// So many times farther than its last point a wall is over: the beam beside that may have passed it by a little only.
 const BEYOND_TIMES: f32 = 3.0;
+/// However far the robot may be off, an end is looked for no farther away than this, meters: where it is, the other wall of a
+/// corridor would soon be taken for what comes after it.
+const END_WITHIN_M: f64 = 0.1;
 
 /// Says of points of a scan laid here whether a cell with something lies within this distance and half a cell, on the coarsest of
 /// the levels with a third of the distance as their cells, or the finest; of the end of a wall whether one ends there.
@@ -20,13 +23,15 @@ pub fn drawn_near<'a, L: MatchLevel>(
     within_m: f64,
 ) -> impl Fn(&ShapePoint) -> bool + use<'a, L> {
     let ground = Ground::of(levels, map_from_base, within_m);
+    let at_ends = Ground::of(levels, map_from_base, within_m.min(END_WITHIN_M));
     move |point| match point.normal {
-        Some(normal) if point.is_end => ground.ends(point.at, normal),
+        Some(normal) if point.is_end => at_ends.ends(point.at, normal),
         _ => ground.is_drawn(point.at),
     }
 }
 
-/// The same, but of points on a line whether that goes on to both sides: proof that it is this line, which short ones do not give.
+/// The same, but of points on a line whether that goes on to both sides: proof that it is this line, which short ones do not give,
+/// and ends never.
 pub fn drawn_along<'a, L: MatchLevel>(
     levels: &'a [L],
     map_from_base: &Pose2,
@@ -75,12 +80,12 @@ impl<'a, L: MatchLevel> Ground<'a, L> {
         self.placed.as_ref().is_some_and(|(level, level_from_base)| {
             let at = level_from_base * at_m(at) / level.resolution_m();
             let size = level.size();
-            let is_inside = at.x >= 0.0 && at.y >= 0.0;
-            let (col, row) = (at.x as usize, at.y as usize);
-            if !is_inside || col + 2 > size.width || row + 2 > size.height {
+            let last = [size.width, size.height].map(|n| n.saturating_sub(1) as f64);
+            let is_inside = at.x >= 0.0 && at.y >= 0.0 && at.x < last[0] && at.y < last[1];
+            if !is_inside {
                 return false;
             }
-            let [stored, ..] = level.corners(col, row);
+            let [stored, ..] = level.corners(at.x as usize, at.y as usize);
             L::is_touched(stored) && L::value(stored) < DRAWN
         })
     }

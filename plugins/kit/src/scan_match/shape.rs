@@ -20,7 +20,7 @@ const LEAST_POINTS: f64 = 1.0;
 const PROOF_POINTS: f64 = 10.0;
 /// Evidence that is no more than so many times what noise pretends is none.
 const PRETENDED_TIMES: f64 = 3.0;
-/// Of a scan in which no direction is told by few points, so many may be left out.
+/// Where no direction is told by few points, so many of them may be left out.
 const FEW_SHARE: f64 = 0.5 * WEAK_SHARE;
 /// The end of a wall counts as so many points that tell the way along it.
 const END_POINTS: f64 = 5.0;
@@ -58,6 +58,8 @@ pub struct ScanShape {
     points: Vec<ShapePoint>,
     extent_m: f64,
     is_weak: bool,
+    /// No direction hangs on few points or on ends of walls.
+    is_plenty: bool,
 }
 
 impl ScanShape {
@@ -75,7 +77,9 @@ impl ScanShape {
         };
         // Ends of walls only add to it, and take most of the time.
         let lines = lines_of(&places)?;
-        unless_told(&told(&places, &lines, |_, _| false), TOLD_SHARE)?;
+        let without_ends = told(&places, &lines, |_, _| false);
+        unless_told(&without_ends, TOLD_SHARE)?;
+        let is_plenty = unless_told(&without_ends, WEAK_SHARE).is_none();
         let mut shape = Vec::with_capacity(places.len());
         let told = told(&places, &lines, |idx, across| {
             let is_end = ends_wall(idx, across);
@@ -85,7 +89,7 @@ impl ScanShape {
         });
         unless_told(&told, TOLD_SHARE)?;
         let is_weak = unless_told(&told, WEAK_SHARE).is_some();
-        Some(ScanShape { points: shape, extent_m, is_weak })
+        Some(ScanShape { points: shape, extent_m, is_weak, is_plenty })
     }
 
     /// In order of bearing.
@@ -106,24 +110,28 @@ impl ScanShape {
     /// The same of those points alone whose surface is known where the scan is laid: what is seen for the first time tells nothing
     /// of where the robot is. Nothing where none is.
     pub fn blind_where(&self, is_known: impl Fn(&ShapePoint) -> bool) -> Option<Observability> {
-        let (told, n_points) = self.told_where(is_known)?;
-        blind(&told, n_points, self.extent_m, LEAST_POINTS)
+        let known = self.known(is_known);
+        // What is told many times over is told without a few.
+        let n_unknown = self.points.len() - known.len();
+        if self.is_plenty && n_unknown as f64 <= FEW_SHARE * self.points.len() as f64 {
+            return None;
+        }
+        let shape = self.taken_apart(&known, LEAST_POINTS)?;
+        (!shape.is_complete() && !shape.is_empty()).then_some(shape)
     }
 
     /// Those points alone tell all directions, and none of them by a few only.
     pub fn proves_where(&self, is_known: impl Fn(&ShapePoint) -> bool) -> bool {
-        let told = self.told_where(is_known);
-        told.is_some_and(|(told, n_points)| blind(&told, n_points, self.extent_m, PROOF_POINTS).is_none())
+        let shape = self.taken_apart(&self.known(is_known), PROOF_POINTS);
+        shape.is_some_and(|shape| shape.is_complete())
     }
 
-    /// What those points tell, and how many they are.
-    fn told_where(&self, is_known: impl Fn(&ShapePoint) -> bool) -> Option<(Told, usize)> {
-        let known: Vec<&ShapePoint> = self.points.iter().filter(|point| is_known(point)).collect();
-        let n_unknown = self.points.len() - known.len();
-        // What is told many times over is told without a few.
-        if !self.is_weak && n_unknown as f64 <= FEW_SHARE * self.points.len() as f64 {
-            return None;
-        }
+    fn known(&self, is_known: impl Fn(&ShapePoint) -> bool) -> Vec<&ShapePoint> {
+        self.points.iter().filter(|point| is_known(point)).collect()
+    }
+
+    /// What these points tell by at least so many of them; nothing where there are no lines among them.
+    fn taken_apart(&self, known: &[&ShapePoint], least_points: f64) -> Option<Observability> {
         let places: Vec<[f32; 2]> = known.iter().map(|point| point.at).collect();
         // Without what stands before a wall, the line at a point may be another one.
         let is_same = |normal: &[f32; 2], across: &Matrix2<f64>| {
@@ -134,7 +142,8 @@ impl ScanShape {
             let normal = known.get(idx).filter(|point| point.is_end).and_then(|point| point.normal);
             normal.is_some_and(|normal| is_same(&normal, across))
         };
-        Some((told(&places, &lines_of(&places)?, ends_wall), places.len()))
+        let told = told(&places, &lines_of(&places)?, ends_wall);
+        Some(taken_apart(&told, places.len(), self.extent_m, least_points))
     }
 }
 
@@ -148,20 +157,22 @@ fn linearized(told: &Told, n_points: usize) -> Linearized {
     Linearized { hessian: told.evidence, weight: n_points as f64, ..Linearized::default() }
 }
 
-/// Takes apart what the points tell; nothing where they tell every direction.
-fn blind(told: &Told, n_points: usize, extent_m: f64, least_points: f64) -> Option<Observability> {
+/// Which directions are told by at least so many points, and by more than noise pretends.
+fn taken_apart(told: &Told, n_points: usize, extent_m: f64, least_points: f64) -> Observability {
     let evidence = linearized(told, n_points);
     let floor_per_m2 = least_points / evidence.weight;
-    // Most scans tell everything, and that is seen at once.
-    let sure = ObservabilitySettings { floor_per_m2: 2.0 * floor_per_m2, ratio: 0.01 };
-    Observability::unless_complete(&evidence, extent_m, &sure)?;
     let rule = ObservabilitySettings { floor_per_m2, ..ObservabilitySettings::default() };
     let mut shape = Observability::of(&evidence, extent_m, &rule);
+    // Most scans tell everything, and that is seen at once.
+    let sure = ObservabilitySettings { floor_per_m2: 2.0 * floor_per_m2, ratio: 0.01 };
+    if Observability::unless_complete(&evidence, extent_m, &sure).is_none() {
+        return shape;
+    }
     let noise = shape.evidence_of(&told.pretended);
     for (k, seen) in shape.seen.iter_mut().enumerate() {
         *seen &= shape.evidence[k] > PRETENDED_TIMES * noise[k];
     }
-    (!shape.is_complete() && !shape.is_empty()).then_some(shape)
+    shape
 }
 
 /// Sums over all points. `ends_wall` is asked of every point in turn.
