@@ -17,13 +17,13 @@ pub(super) struct Line {
     /// The projection on its normal.
     pub across: Matrix2<f64>,
     mean_square_m2: f64,
-    /// Of the middle of those neighbors.
+    /// Of the middle of those neighbors from the base, meters.
     range_m: f64,
     /// Variance of the normal's direction.
     pub normal_rad2: f64,
 }
 
-/// Of points in order of bearing; nothing where there is no line among them.
+/// Of points in order of bearing; nothing where fewer than two have a line.
 pub(super) fn lines_of(points: &[[f32; 2]]) -> Option<Vec<Option<Line>>> {
     let sums = running_sums(points);
     let windows = windows(points);
@@ -51,7 +51,7 @@ struct Noise {
 }
 
 impl Noise {
-    /// By the medians of the nearer and the farther half; none where no points have a line.
+    /// By the medians of the nearer and the farther half; none where fewer than two points have a line.
     fn of(fits: &[Option<Line>]) -> Option<Noise> {
         let mut fits: Vec<(f64, f64)> =
             fits.iter().flatten().map(|fit| (fit.range_m, fit.mean_square_m2.sqrt())).collect();

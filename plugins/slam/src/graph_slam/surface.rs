@@ -114,8 +114,8 @@ pub(crate) struct SurfaceLimits {
     /// Neighbors farther apart than so many times what their beams would be on a wall seen straight on are parts of
     /// different things.
     pub steepest: f32,
-    /// Points that these limits put on no surface lie on the lines of the scan's shape wherever it is known, not only where few
-    /// points tell the way along a wall.
+    /// Points that these limits put on no surface lie on the lines of the scan's shape wherever that is kept, not only where few
+    /// points tell some direction.
     pub on_all_lines: bool,
 }
 
@@ -176,8 +176,8 @@ pub(crate) fn surface_of(
     placed.iter().enumerate().filter_map(point).collect()
 }
 
-/// Where few points tell the way along a wall, its others must not: those that are on no surface by its limits, but on a line by
-/// those of the scan's shape, face across that.
+/// Points that are on no surface by its limits, but on a line by those of the scan's shape, face across that: loose, they would tell
+/// the way along a wall, too, and where few others do they would decide it.
 fn put_on_lines(points: &mut [SurfacePoint], shape: &ScanShape, base_from_sensor: &Pose3) {
     let sensor = [base_from_sensor.translation.x as f32, base_from_sensor.translation.y as f32];
     let mut rest = shape.points();

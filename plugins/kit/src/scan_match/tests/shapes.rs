@@ -213,3 +213,46 @@ fn a_match_in_a_bare_corridor_keeps_the_priors_way_along_it() {
         assert!(along_m > 0.9 && across_m < 0.1, "{rule:?}: {along_m} m along, {across_m} m across");
     }
 }
+
+#[test]
+fn a_room_proves_a_place_and_few_points_of_it_do_not() {
+    let room: Vec<Wall> = vec![
+        [[-9.0, -2.0], [9.0, -2.0]],
+        [[9.0, -2.0], [9.0, 2.0]],
+        [[9.0, 2.0], [-9.0, 2.0]],
+        [[-9.0, 2.0], [-9.0, -2.0]],
+    ];
+    let scan = seen(&room, &pose2(5.0, 0.0, 0.0), 361, 0.01, &mut rng::stream(7, "shapes"));
+    let shape = shape_of(&scan, &Pose3::identity(), RANGES_M).unwrap();
+    assert!(!shape.is_weak() && shape.blind().is_none());
+    assert!(shape.proves_where(|_| true), "all is known");
+    let far_wall = |point: &ShapePoint| point.at[0] > 3.8;
+    let n_far = shape.points().iter().filter(|point| far_wall(point)).count();
+    assert!(n_far > 40, "{n_far}");
+    assert!(!shape.proves_where(|point| !far_wall(point) && !point.is_end), "the side walls alone");
+    let n_seen = std::cell::Cell::new(0);
+    let is_few = |_: &ShapePoint| n_seen.replace(n_seen.get() + 1) < 6;
+    assert!(!shape.proves_where(is_few), "six points");
+    assert!(!shape.proves_where(|_| false), "none");
+}
+
+#[test]
+fn new_ends_of_walls_tell_no_way_however_many_they_are() {
+    let wall = |from_m: f64, to_m: f64, y_m: f64| [[from_m, y_m], [to_m, y_m]];
+    let mut walls = vec![wall(-200.0, 200.0, 9.0), wall(-200.0, 200.0, -9.0)];
+    for y_m in [-1.2, 1.2] {
+        let mut from_m = -200.0;
+        for door_m in [-6.0, -3.5, -1.0, 1.5, 4.0] {
+            walls.push(wall(from_m, door_m, y_m));
+            from_m = door_m + 0.9;
+        }
+        walls.push(wall(from_m, 200.0, y_m));
+    }
+    let scan = seen(&walls, &pose2(0.0, 0.0, 0.0), 1081, 0.005, &mut rng::stream(8, "shapes"));
+    let shape = shape_of(&scan, &Pose3::identity(), RANGES_M).unwrap();
+    let n_ends = shape.points().iter().filter(|point| point.is_end).count();
+    assert!(n_ends >= 8, "{n_ends}");
+    assert_eq!(shape.blind(), None, "by itself it tells all");
+    let blind = shape.blind_where(|point| !point.is_end);
+    assert_eq!(blind.map(|blind| blind.seen), Some([false, true, true]));
+}

@@ -65,6 +65,7 @@ impl RbpfSlamParams {
             limits: SurfaceLimits {
                 min_range_m: self.min_range_m,
                 max_range_m: self.max_usable_range_m,
+                // As those that are followed.
                 on_all_lines: true,
                 ..SurfaceLimits::SLANTED
             },
@@ -96,6 +97,7 @@ impl RbpfSlamParams {
                 reach_beams: 2.5,
                 steepest: 6.0,
                 noise_growing_1_m: 0.0,
+                // Loose points of rooms pull guesses, too: without it a loop of MIT-Killian is missed.
                 on_all_lines: true,
             },
             registration: self.registration_settings(),
