@@ -91,21 +91,18 @@ impl ViewerCopies {
 
     /// The frames up to the body. Where nobody says how it leans, it stands upright once and for all.
     fn tree<W: Write>(&mut self, to: &mut BagWriter<W>, view: &StepView<'_>) -> io::Result<()> {
-        let on_floor = [
+        let [height, lean] = body_of(&view.footprint_from_base.unwrap_or_else(Pose3::identity));
+        let links = [
             (MAP, ODOM, upright(&view.estimate.map_from_odom)),
             (ODOM, FOOTPRINT, upright2(&view.odom_from_base)),
+            height,
+            lean,
         ];
-        let body = body_of(&view.footprint_from_base.unwrap_or_else(Pose3::identity));
-        if view.footprint_from_base.is_some() {
-            let [map, odom] = on_floor;
-            let [height, lean] = body;
-            let tree = [map, odom, height, lean];
-            return self.say(to, Topic::Tree, view.now, |cdr| ros::put_transforms(cdr, view.now, &tree));
+        let (moving, fixed) = links.split_at(if view.footprint_from_base.is_some() { 4 } else { 2 });
+        if !fixed.is_empty() && !std::mem::replace(&mut self.is_rooted, true) {
+            self.say(to, Topic::Mounts, view.now, |cdr| ros::put_transforms(cdr, view.now, fixed))?;
         }
-        if !std::mem::replace(&mut self.is_rooted, true) {
-            self.say(to, Topic::Mounts, view.now, |cdr| ros::put_transforms(cdr, view.now, &body))?;
-        }
-        self.say(to, Topic::Tree, view.now, |cdr| ros::put_transforms(cdr, view.now, &on_floor))
+        self.say(to, Topic::Tree, view.now, |cdr| ros::put_transforms(cdr, view.now, moving))
     }
 
     /// The map as the run leaves it.

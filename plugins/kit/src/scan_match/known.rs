@@ -107,8 +107,9 @@ impl<'a, L: MatchLevel> Ground<'a, L> {
         span(y, size.height).any(|row| {
             span(x, size.width).any(|col| {
                 let [col, row] = [col.min(size.width - 2), row.min(size.height - 2)];
-                let off = |k: usize| (col as f64 + (k % 2) as f64 - x, row as f64 + (k / 2) as f64 - y);
-                let is_near = |k: usize| off(k).0.hypot(off(k).1) <= reach;
+                let is_near = |k: usize| {
+                    (col as f64 + (k % 2) as f64 - x).hypot(row as f64 + (k / 2) as f64 - y) <= reach
+                };
                 (0..).zip(level.corners(col, row)).any(|(k, stored)| L::value(stored) > DRAWN && is_near(k))
             })
         })

@@ -22,6 +22,8 @@ const PROOF_POINTS: f64 = 10.0;
 const PRETENDED_TIMES: f64 = 3.0;
 /// Where no direction is told by few points, so many of them may be left out.
 const FEW_SHARE: f64 = 0.5 * WEAK_SHARE;
+/// A direction that is told by so large a share of what the best one is, and by twice the points that it needs, is told for sure.
+const SURE_RATIO: f64 = 0.01;
 /// The end of a wall counts as so many points that tell the way along it.
 const END_POINTS: f64 = 5.0;
 
@@ -163,9 +165,8 @@ fn taken_apart(told: &Told, n_points: usize, extent_m: f64, least_points: f64) -
     let floor_per_m2 = least_points / evidence.weight;
     let rule = ObservabilitySettings { floor_per_m2, ..ObservabilitySettings::default() };
     let mut shape = Observability::of(&evidence, extent_m, &rule);
-    // Most scans tell everything, and that is seen at once.
-    let sure = ObservabilitySettings { floor_per_m2: 2.0 * floor_per_m2, ratio: 0.01 };
-    if Observability::unless_complete(&evidence, extent_m, &sure).is_none() {
+    // Most scans tell everything, whatever noise pretends.
+    if shape.evidence[0] >= (SURE_RATIO * shape.evidence[2]).max(2.0 * least_points) {
         return shape;
     }
     let noise = shape.evidence_of(&told.pretended);

@@ -127,15 +127,16 @@ fn known_to(
     let turn = Turn::new(reference_from_scan);
     move |point| {
         let at = turn.place(point.at);
-        reference.at(at).is_some_and(|near| {
-            let facing = point.normal.filter(|_| near.is_flat()).map_or(1.0, |normal| {
-                let normal = turn.direction(normal);
-                (normal[0] * near.normal[0] + normal[1] * near.normal[1]).abs()
-            });
-            let off_m = (near.at[0] - at[0]).hypot(near.at[1] - at[1]);
-            // Whether a wall ends there the reference cannot say: it may have seen no more of it.
-            f64::from(off_m) <= within_m && facing >= LEAST_FACING && !point.is_end
-        })
+        // Whether a wall ends there the reference cannot say: it may have seen no more of it.
+        !point.is_end
+            && reference.at(at).is_some_and(|near| {
+                let facing = point.normal.filter(|_| near.is_flat()).map_or(1.0, |normal| {
+                    let normal = turn.direction(normal);
+                    (normal[0] * near.normal[0] + normal[1] * near.normal[1]).abs()
+                });
+                let off_m = (near.at[0] - at[0]).hypot(near.at[1] - at[1]);
+                f64::from(off_m) <= within_m && facing >= LEAST_FACING
+            })
     }
 }
 

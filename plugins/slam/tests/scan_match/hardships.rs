@@ -279,7 +279,7 @@ fn people_who_step_out_between_bare_walls_hold_nobody_back() {
         63..=75 => bare_walls(&[[9.6, -0.4]]),
         _ => bare_walls(&[]),
     };
-    between(&steps_out, |_| true, is_covered(0.1));
+    between(&steps_out, |_| true, is_covered);
 }
 
 /// Somebody steps out right before the robot, so near that he is a sixth of all it sees.
@@ -290,17 +290,15 @@ fn somebody_who_steps_out_right_before_it_holds_nobody_back() {
         45..=52 => bare_walls(&[[5.4, -0.55]]),
         _ => bare_walls(&[]),
     };
-    between(&steps_out, |_| true, is_covered(0.1));
+    between(&steps_out, |_| true, is_covered);
 }
 
-/// It tracks its way, and is no farther off than this, or than its deviation covers.
-fn is_covered(least_m: f64) -> impl Fn(&str, i32, &Estimate, &Pose2) {
-    move |name, k, estimate, off| {
-        let (off_m, deviation_m) = (off.translation.x.abs(), estimate.covariance2()[(0, 0)].sqrt());
-        assert_eq!(estimate.status, Status::Tracking, "{name}: {k}");
-        assert!(off_m < (3.0 * deviation_m).max(least_m), "{name}: {k} {off}, {deviation_m} m");
-        assert!(off_m < 0.5 && deviation_m < 0.4, "{name}: {k} {off}, {deviation_m} m");
-    }
+/// It tracks its way, and is no farther off than a tenth of a meter, or than its deviation covers.
+fn is_covered(name: &str, k: i32, estimate: &Estimate, off: &Pose2) {
+    let (off_m, deviation_m) = (off.translation.x.abs(), estimate.covariance2()[(0, 0)].sqrt());
+    assert_eq!(estimate.status, Status::Tracking, "{name}: {k}");
+    assert!(off_m < (3.0 * deviation_m).max(0.1), "{name}: {k} {off}, {deviation_m} m");
+    assert!(off_m < 0.5 && deviation_m < 0.4, "{name}: {k} {off}, {deviation_m} m");
 }
 
 /// Somebody stands there once nobody knows the way any more: beside him the robot finds its way, and not on the map.
