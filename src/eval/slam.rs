@@ -1,21 +1,27 @@
 //! `rumbo eval slam`: SLAM plugins on real logs, one row for each log and pipeline.
 
+mod table;
+
 use super::relations::in_time_of;
+use crate::drive::drive_engine;
 use crate::exit::{Exit, Failure};
 use crate::load::{self, Ready};
-use crate::run::on_interrupt;
+use crate::record::Recorder;
 use crate::run::poses::Poses;
-use crate::terminal::Terminal;
+use crate::run::{on_interrupt, write_picture};
+use crate::terminal::{Terminal, make_folder_of};
 use crate::usage::{forget_peak_memory, peak_memory_mb, thread_cpu_s};
-use rumbo_core::engine::{EndReason, Engine, Metrics};
+use rumbo_core::engine::{EndReason, Engine};
 use rumbo_core::time::Span;
 use rumbo_kit::relations::{Relation, pose_near, read_relations, relation_errors};
 use rumbo_kit::spread::Spread;
 use rumbo_kit::trajectory::{StampedPose, Trajectory};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
+use table::{head, line};
 
 /// Stamps this close are the same.
 const SAME_STAMP_S: f64 = 0.000_05;
@@ -36,6 +42,9 @@ pub struct Args {
     /// Change a value of all pipelines, for example --set slam.levels=3
     #[arg(long = "set", value_name = "KEY=VALUE")]
     sets: Vec<String>,
+    /// Write a picture of map and way of each row here, as LOG-PIPELINE.png
+    #[arg(long, value_name = "FOLDER")]
+    pictures: Option<PathBuf>,
     /// Print the rows as JSON
     #[arg(long)]
     json: bool,
@@ -63,9 +72,39 @@ struct Row {
     /// Share of the steps in which it said that it tracked its way.
     tracked_share: f64,
     log_s: f64,
+    #[serde(flatten)]
+    cost: Cost,
+}
+
+/// What a row cost, with the map at its end.
+#[derive(Serialize)]
+struct Cost {
     wall_s: f64,
     cpu_s: Option<f64>,
     peak_memory_mb: Option<f64>,
+}
+
+impl Args {
+    fn picture(&self, log: &Path, pipeline: &Path) -> Option<PathBuf> {
+        let name = format!("{}-{}.png", name_of(log), name_of(pipeline));
+        self.pictures.as_ref().map(|folder| folder.join(name))
+    }
+
+    /// Makes the folder of the pictures, before hours of work, and refuses two rows with one picture.
+    fn prepare_pictures(&self) -> Result<(), Failure> {
+        let mut named = BTreeSet::new();
+        for (log, pipeline) in self.logs.iter().flat_map(|log| self.pipelines.iter().map(move |of| (log, of)))
+        {
+            let Some(picture) = self.picture(log, pipeline) else { return Ok(()) };
+            make_folder_of(&picture)?;
+            if !named.insert(picture.clone()) {
+                let message =
+                    format!("two rows would write {}; rename a log or a pipeline", picture.display());
+                return Err(Failure::Usage(message));
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Does it.
@@ -73,6 +112,7 @@ pub fn run(args: &Args, terminal: &Terminal) -> Result<Exit, Failure> {
     let interrupt = on_interrupt()?;
     let relations: Result<Vec<_>, _> = args.logs.iter().map(|log| relations_of(log)).collect();
     let (relations, mut rows) = (relations?, Vec::new());
+    args.prepare_pictures()?;
     if !args.json {
         terminal.say(terminal.soft(&head()));
     }
@@ -126,34 +166,45 @@ fn row_of(
     let Some(slam) = &ready.pipeline.slam else {
         return Err(Failure::Usage(format!("{} has no [slam] to judge", pipeline.display())));
     };
-    forget_peak_memory();
     let built = Engine::build(&ready.pipeline);
     let mut engine = built.map_err(|error| ready.explain(&error, args.json, terminal))?;
-    let (clock, cpu_before) = (Instant::now(), thread_cpu_s());
-    let (mut poses, mut metrics) = (Poses::default(), Metrics::new());
-    let end = engine.run(&mut [&mut poses, &mut metrics], interrupt);
-    let (wall_s, cpu_after) = (clock.elapsed().as_secs_f64(), thread_cpu_s());
-    if let Some(detail) = end.detail.filter(|_| end.reason != EndReason::Ended) {
-        terminal.error(&format!("{} on {}: {detail}", pipeline.display(), log.display()));
+    let (file, mut poses) = (pipeline.display().to_string(), Poses::default());
+    let (driven, cost) = priced(|| {
+        let (of, config, recorder) = (&ready.pipeline, &ready.config, Recorder::default());
+        drive_engine(&mut engine, of, &file, config, recorder, &mut [&mut poses], interrupt)
+    });
+    if let Some(detail) = driven.end.detail.as_ref().filter(|_| driven.end.reason != EndReason::Ended) {
+        terminal.error(&format!("{file} on {}: {detail}", log.display()));
+    }
+    if let Some(picture) = args.picture(log, pipeline) {
+        write_picture(&picture, &driven.record)?;
     }
     let known = engine.trajectory();
-    let known = known.map_err(|error| Failure::Internal(format!("{}: {error}", pipeline.display())))?;
+    let known = known.map_err(|error| Failure::Internal(format!("{file}: {error}")))?;
     let known = known.iter().map(|pose| (pose.stamp, pose.map_from_base)).map(stamped).collect();
     let thought = poses.poses().map(stamped).collect();
     Ok(Row {
         log: name_of(log),
         pipeline: name_of(pipeline),
         plugin: slam.entry.name.clone(),
-        reason: end.reason,
+        reason: driven.end.reason,
         n_relations: relations.len(),
         at_the_time: errors(log, thought, relations)?,
         at_the_end: errors(log, known, relations)?,
-        tracked_share: metrics.summary(end.reason, None).tracked_share,
+        tracked_share: driven.record.outcome.and_then(|outcome| outcome.tracked_share).unwrap_or(0.0),
         log_s: (engine.view().now - engine.view().started).as_secs(),
-        wall_s,
-        cpu_s: cpu_after.zip(cpu_before).map(|(after, before)| after - before),
-        peak_memory_mb: peak_memory_mb(),
+        cost,
     })
+}
+
+/// Does something, and says what it cost.
+fn priced<T>(work: impl FnOnce() -> T) -> (T, Cost) {
+    forget_peak_memory();
+    let (clock, cpu_before) = (Instant::now(), thread_cpu_s());
+    let done = work();
+    let (wall_s, cpu_after) = (clock.elapsed().as_secs_f64(), thread_cpu_s());
+    let cpu_s = cpu_after.zip(cpu_before).map(|(after, before)| after - before);
+    (done, Cost { wall_s, cpu_s, peak_memory_mb: peak_memory_mb() })
 }
 
 fn ready(args: &Args, log: &Path, pipeline: &Path, terminal: &Terminal) -> Result<Ready, Failure> {
@@ -180,51 +231,4 @@ fn errors(log: &Path, poses: Vec<StampedPose>, relations: &[Relation]) -> Result
 fn name_of(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     name.split('.').next().unwrap_or_default().to_owned()
-}
-
-fn head() -> String {
-    format!(
-        "{:18} {:28} {:>12} {:>21} {:>21} {:>19} {:>9} {:>8} {:>8} {:>8}",
-        "log",
-        "pipeline",
-        "relations",
-        "at the time, m",
-        "at the end, m",
-        "at the end, deg",
-        "tracked",
-        "x real",
-        "x cpu",
-        "MB"
-    )
-}
-
-fn line(row: &Row) -> String {
-    let meters = |errors: &Option<Errors>| {
-        errors.as_ref().map_or("-".to_owned(), |errors| mean_and_std(&errors.translation_m, 1.0))
-    };
-    let degrees = |errors: &Option<Errors>| {
-        let degree = 1.0_f64.to_degrees();
-        errors.as_ref().map_or("-".to_owned(), |errors| mean_and_std(&errors.rotation_rad, degree))
-    };
-    let judged = row.at_the_end.as_ref().or(row.at_the_time.as_ref());
-    let used = format!("{} of {}", judged.map_or(0, |errors| errors.n_used), row.n_relations);
-    let times = |seconds: Option<f64>| {
-        seconds.filter(|s| *s > 0.0).map_or("-".to_owned(), |s| format!("{:.0}", row.log_s / s))
-    };
-    let megabytes = row.peak_memory_mb.map_or("-".to_owned(), |mb| format!("{mb:.0}"));
-    format!(
-        "{:18} {:28} {used:>12} {:>21} {:>21} {:>19} {:>7.1} % {:>8} {:>8} {megabytes:>8}",
-        row.log,
-        row.pipeline,
-        meters(&row.at_the_time),
-        meters(&row.at_the_end),
-        degrees(&row.at_the_end),
-        100.0 * row.tracked_share,
-        times(Some(row.wall_s)),
-        times(row.cpu_s),
-    )
-}
-
-fn mean_and_std(spread: &Spread, factor: f64) -> String {
-    format!("{:.4} +- {:.4}", spread.mean * factor, spread.std * factor)
 }

@@ -224,7 +224,14 @@ fn several_logs_and_pipelines_are_one_table_with_the_errors_of_their_relations()
     let tracked = row["tracked_share"].as_f64().unwrap();
     assert!(tracked > 0.9 && tracked <= 1.0, "{row}");
     assert!(row["at_the_end"].is_null() && row["log_s"].as_f64().unwrap() > 900.0, "{row}");
-    let table = give(&["eval", "slam", LINES, "--log", log.to_str().unwrap()]);
+    let pictures = folder.join("pictures");
+    let drawn =
+        ["eval", "slam", LINES, "--log", log.to_str().unwrap(), "--pictures", pictures.to_str().unwrap()];
+    let table = give(&drawn);
+    let picture = image::open(pictures.join("tour-of-it-mapping_log_lines.png")).unwrap();
+    assert!(picture.width() > 600, "{} pixels wide", picture.width());
+    let twice = give(&[&drawn[..], &["--log", log.to_str().unwrap()]].concat());
+    assert!(twice.code == 2 && twice.stderr.contains("two rows would write"), "{}", twice.stderr);
     assert!(table.stderr.contains("3 of 4") && table.stderr.contains("0.1000 +- "), "{}", table.stderr);
     assert!(table.stderr.contains(&format!("{:.1} %", 100.0 * tracked)), "{}", table.stderr);
     let no_slam = give(&["eval", "slam", OFFICE, "--log", log.to_str().unwrap()]);
