@@ -85,7 +85,8 @@ impl ScanPreparation {
         }
         let mount = [axes[(0, 0)], axes[(0, 1)], axes[(1, 0)], axes[(1, 1)], origin.x, origin.y];
         let scanned = Scanned { scan, beams: &beams, max_range_m: self.max_range_m, mount };
-        let shape = ScanShape::of(points, |idx, across| scanned.ends_wall(idx, across, points));
+        let sensor = [origin.x as f32, origin.y as f32];
+        let shape = ScanShape::of(points, sensor, |idx, across| scanned.ends_wall(idx, across, points));
         if self.full_weight_spacing_m > 0.0 {
             self.weigh_by_spacing(points);
         }

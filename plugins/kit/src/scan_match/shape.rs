@@ -46,7 +46,7 @@ struct Told {
 pub struct ShapePoint {
     /// Place, meters.
     pub at: [f32; 2],
-    /// The normal of the line through its neighbors, to either side.
+    /// The normal of the line through its neighbors, toward the sensor.
     pub normal: Option<[f32; 2]>,
     /// The wall on which it lies ends here.
     pub is_end: bool,
@@ -65,10 +65,11 @@ pub struct ScanShape {
 }
 
 impl ScanShape {
-    /// Of points in order of bearing. `ends_wall` says of a point and the normal's projection at it whether the surface could be
-    /// seen farther on and is not there.
+    /// Of points in order of bearing around this sensor. `ends_wall` says of a point and the normal's projection at it whether the
+    /// surface could be seen farther on and is not there.
     pub(super) fn of(
         points: &ScanPoints,
+        sensor: [f32; 2],
         ends_wall: impl Fn(usize, &Matrix2<f64>) -> bool,
     ) -> Option<ScanShape> {
         let places: Vec<[f32; 2]> = points.iter().map(|[x, y, _]| [x, y]).collect();
@@ -86,7 +87,7 @@ impl ScanShape {
         let told = told(&places, &lines, |idx, across| {
             let is_end = ends_wall(idx, across);
             let at = places.get(idx).copied().unwrap_or_default();
-            shape.push(ShapePoint { at, normal: normal_of(across), is_end });
+            shape.push(ShapePoint { at, normal: normal_of(across, at, sensor), is_end });
             is_end
         });
         unless_told(&told, TOLD_SHARE)?;
@@ -128,6 +129,14 @@ impl ScanShape {
         shape.is_some_and(|shape| shape.is_complete())
     }
 
+    /// Directions, in its axes, that this information of x, y and yaw says less than so much of, 1/m²; none where it says enough of
+    /// all.
+    pub fn untold_by(&self, information: &Matrix3<f64>, least_1_m2: f64) -> Option<Observability> {
+        let evidence = Linearized { hessian: *information, weight: 1.0, ..Linearized::default() };
+        let rule = ObservabilitySettings { floor_per_m2: least_1_m2, ratio: 0.0 };
+        Observability::unless_complete(&evidence, self.extent_m, &rule)
+    }
+
     fn known(&self, is_known: impl Fn(&ShapePoint) -> bool) -> Vec<&ShapePoint> {
         self.points.iter().filter(|point| is_known(point)).collect()
     }
@@ -149,10 +158,12 @@ impl ScanShape {
     }
 }
 
-/// What is projected on; none where nothing is.
-fn normal_of(across: &Matrix2<f64>) -> Option<[f32; 2]> {
+/// What is projected on, toward the sensor; none where nothing is.
+fn normal_of(across: &Matrix2<f64>, at: [f32; 2], sensor: [f32; 2]) -> Option<[f32; 2]> {
     let [x, y] = [across[(0, 0)], across[(1, 1)]].map(|square| square.max(0.0).sqrt() as f32);
-    (across.trace() > 0.5).then_some([x, y.copysign(across[(0, 1)] as f32)])
+    let y = y.copysign(across[(0, 1)] as f32);
+    let is_away = (sensor[0] - at[0]) * x + (sensor[1] - at[1]) * y < 0.0;
+    (across.trace() > 0.5).then_some(if is_away { [-x, -y] } else { [x, y] })
 }
 
 fn linearized(told: &Told, n_points: usize) -> Linearized {

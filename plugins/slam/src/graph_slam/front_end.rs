@@ -98,6 +98,7 @@ impl FrontEnd {
             half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
             first_gate_m: prediction.first_gate_m,
             shape: scan.shape.as_ref(),
+            least_pairs: 0.0,
         };
         register(&self.table, scan, &expected, &atlas.settings.registration)
     }
@@ -127,6 +128,7 @@ impl FrontEnd {
                     half_at: HALF_AT.powi(2) / atlas.settings.believed_share,
                     first_gate_m: FAR_GATE_M,
                     shape: scan.shape.as_ref(),
+                    least_pairs: 0.0,
                 };
                 register(&self.table, scan, &expected, &atlas.settings.registration)
             });

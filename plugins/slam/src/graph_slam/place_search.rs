@@ -77,6 +77,7 @@ impl PlaceSearch {
             first_gate_m: 0.4,
             // Of several scans together.
             shape: None,
+            least_pairs: 0.0,
         };
         let registered = register(&self.table, lately, &expected, &belief.registration)?;
         let off = expected.reference_from_scan.inverse() * registered.reference_from_scan;

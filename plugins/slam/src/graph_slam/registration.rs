@@ -40,6 +40,9 @@ pub(crate) struct Expected<'a> {
     pub first_gate_m: f64,
     /// What the scan tells by its own shape: along directions that no point tells which lies on the reference, no pair counts.
     pub shape: Option<&'a ScanShape>,
+    /// Along directions of which fewer pairs than this tell, of surfaces that face them, a scan with such a shape stays near where
+    /// it is expected.
+    pub least_pairs: f64,
 }
 
 /// A scan in its place.
@@ -69,6 +72,11 @@ impl Registered {
 /// Points are known to the reference where it has a point this near, shares of how far apart pairs may be at the beginning.
 const KNOWN_SHARE: f64 = 0.5;
 
+/// Where few points tell a direction, fewer pairs than this may be of other things: the back of a box and its front.
+pub(crate) const LEAST_PAIRS: f64 = 2.0;
+/// So few move a scan no farther than this, meters.
+const FEW_MOVE_M: f64 = 0.1;
+
 const MOST_ROUNDS: usize = 25;
 /// A smaller step is the last one, meters and radians.
 const LEAST_STEP: f64 = 2e-4;
@@ -81,11 +89,30 @@ pub(crate) fn register(
     settings: &RegistrationSettings,
 ) -> Option<Registered> {
     let prior = &expected.reference_from_scan;
+    let known_m = KNOWN_SHARE * expected.first_gate_m.max(settings.gate_m);
+    let blind = expected.shape.map(|shape| shape.blind_where(known_to(reference, prior, known_m)));
+    let found = register_along(reference, scan, expected, blind.flatten(), settings)?;
+    let Some((shape, None)) = expected.shape.zip(blind) else { return Some(found) };
+    let least_1_m2 = expected.least_pairs / (2.0 * settings.across_m * settings.across_m);
+    let Some(untold) = shape.untold_by(&found.information, least_1_m2) else { return Some(found) };
+    let untold = untold.turned(&found.reference_from_scan.rotation.inverse());
+    let held = register_along(reference, scan, expected, Some(untold), settings)?;
+    let moved = held.reference_from_scan.inverse() * found.reference_from_scan;
+    Some(if moved.translation.vector.norm() > FEW_MOVE_M { held } else { found })
+}
+
+/// The same, without directions, in the scan's axes, that it cannot tell.
+fn register_along(
+    reference: &NearestTable,
+    scan: &[SurfacePoint],
+    expected: &Expected<'_>,
+    blind: Option<Observability>,
+    settings: &RegistrationSettings,
+) -> Option<Registered> {
+    let prior = &expected.reference_from_scan;
     let mut pose = Vector3::new(prior.translation.x, prior.translation.y, prior.rotation.angle());
     let start = pose;
     let mut gate_m = expected.first_gate_m.max(settings.gate_m);
-    let known_m = KNOWN_SHARE * gate_m;
-    let blind = expected.shape.and_then(|shape| shape.blind_where(known_to(reference, prior, known_m)));
     let blind_at = |pose: &Vector3<f64>| blind.map(|blind| blind.turned(&UnitComplex::new(pose.z)));
     for round in 0..MOST_ROUNDS {
         let pull = Pull::at(reference, scan, &pose, gate_m, settings).told(blind_at(&pose));
@@ -130,12 +157,11 @@ fn known_to(
         // Whether a wall ends there the reference cannot say: it may have seen no more of it.
         !point.is_end
             && reference.at(at).is_some_and(|near| {
-                let facing = point.normal.filter(|_| near.is_flat()).map_or(1.0, |normal| {
+                let is_same = point.normal.filter(|_| near.is_flat()).is_none_or(|normal| {
                     let normal = turn.direction(normal);
-                    (normal[0] * near.normal[0] + normal[1] * near.normal[1]).abs()
+                    normal[0] * near.normal[0] + normal[1] * near.normal[1] >= LEAST_FACING
                 });
-                let off_m = (near.at[0] - at[0]).hypot(near.at[1] - at[1]);
-                f64::from(off_m) <= within_m && facing >= LEAST_FACING
+                f64::from((near.at[0] - at[0]).hypot(near.at[1] - at[1])) <= within_m && is_same
             })
     }
 }

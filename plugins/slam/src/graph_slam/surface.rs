@@ -59,7 +59,7 @@ impl Surface {
         let shape = shape_of(scan, base_from_sensor, ranges_m);
         let mut points = surface_of(scan, base_from_sensor, limits);
         if let Some(shape) = shape.as_ref().filter(|shape| limits.on_all_lines || shape.is_weak()) {
-            put_on_lines(&mut points, shape, base_from_sensor);
+            put_on_lines(&mut points, shape);
         }
         Surface { points, shape }
     }
@@ -178,8 +178,7 @@ pub(crate) fn surface_of(
 
 /// Points that are on no surface by its limits, but on a line by those of the scan's shape, face across that: loose, they would tell
 /// the way along a wall, too, and where few others do they would decide it.
-fn put_on_lines(points: &mut [SurfacePoint], shape: &ScanShape, base_from_sensor: &Pose3) {
-    let sensor = [base_from_sensor.translation.x as f32, base_from_sensor.translation.y as f32];
+fn put_on_lines(points: &mut [SurfacePoint], shape: &ScanShape) {
     let mut rest = shape.points();
     for point in points.iter_mut().filter(|point| !point.is_flat()) {
         // Both are in order of bearing.
@@ -187,7 +186,7 @@ fn put_on_lines(points: &mut [SurfacePoint], shape: &ScanShape, base_from_sensor
         let normal = rest.get(idx).and_then(|other| other.normal);
         rest = rest.get(idx + 1..).unwrap_or_default();
         if let Some(normal) = normal {
-            *point = SurfacePoint { normal, ..*point }.facing(sensor);
+            point.normal = normal;
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Which key frames are tied to which, by registering their scans.
 
 use super::atlas::{Atlas, TURN_AS_WAY_M};
-use super::registration::{Expected, Registered, register};
+use super::registration::{Expected, LEAST_PAIRS, Registered, register};
 use nalgebra::Matrix3;
 use rumbo_core::frames::Pose2;
 use rumbo_kit::pose_graph::{Constraint, RobustKernel};
@@ -50,6 +50,7 @@ impl Atlas {
             half_at: 1.0,
             first_gate_m,
             shape: scan.shape.as_ref(),
+            least_pairs: LEAST_PAIRS,
         };
         let found = register(&self.table, scan, &expected, &self.settings.registration)?;
         let off = expected.reference_from_scan.inverse() * found.reference_from_scan;

@@ -149,6 +149,7 @@ impl Closing {
             first_gate_m: KNOWN_REACH[0],
             half_at: 1.0,
             shape: surface.shape.as_ref(),
+            least_pairs: 0.0,
         };
         register(&self.table, surface, &expected, &settings.registration).is_some_and(|found| {
             let is_near = found.reference_from_scan.translation.vector.norm() <= KNOWN_REACH[0];

@@ -6,7 +6,7 @@
 use super::motion::{MotionNoise, Step};
 use super::proposal::difference;
 use crate::graph_slam::nearest::NearestTable;
-use crate::graph_slam::registration::{Expected, Registered, RegistrationSettings, register};
+use crate::graph_slam::registration::{Expected, LEAST_PAIRS, Registered, RegistrationSettings, register};
 use crate::graph_slam::surface::{Surface, SurfaceLimits, SurfacePoint, Turn};
 use nalgebra::{Matrix3, Vector3};
 use rumbo_core::frames::{Pose2, Pose3, pose2};
@@ -202,6 +202,7 @@ impl Follower {
             first_gate_m: (2.0 * off_m + 10.0 * off_rad).clamp(0.3, 0.5),
             half_at: f64::INFINITY,
             shape: surface.shape.as_ref(),
+            least_pairs: LEAST_PAIRS,
         };
         register(&self.table, surface, &expected, &self.settings.registration)
     }

@@ -397,3 +397,18 @@ fn a_state_saved_by_who_is_not_sure_makes_nobody_sure() {
         }
     }
 }
+
+/// A box stands by the wall, and nothing else tells the way: who drives by sees its back where its front was. The other two
+/// plugins, which match on cells, cannot tell these apart.
+#[test]
+fn a_box_by_the_wall_pulls_no_graph_back() {
+    for box_y_m in [0.5, 0.55, 0.6, 0.65, 0.7] {
+        let judge = |name: &str, k: i32, estimate: &Estimate, off: &Pose2| {
+            let (off_m, deviation_m) = (off.translation.x.abs(), estimate.covariance2()[(0, 0)].sqrt());
+            let is_covered = off_m < (3.0 * deviation_m).max(0.1) && deviation_m < 0.3;
+            let is_right = is_covered && estimate.status == Status::Tracking;
+            assert!(is_right || name != "graph_slam", "{box_y_m} {k} {off}, {deviation_m} m");
+        };
+        between(&|_| bare_walls(&[[4.0, box_y_m]]), |_| true, judge);
+    }
+}

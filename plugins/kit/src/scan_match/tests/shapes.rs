@@ -214,6 +214,19 @@ fn a_match_in_a_bare_corridor_keeps_the_priors_way_along_it() {
     }
 }
 
+/// Walls on all sides of a sensor that is not at the robot's middle.
+#[test]
+fn normals_are_toward_the_sensor() {
+    let scan = seen(&corridor(), &pose2(0.0, 0.2, 0.3), 361, 0.01, &mut rng::stream(9, "shapes"));
+    let mount = Pose3::translation(0.3, -0.4, 0.0);
+    let shape = shape_of(&scan, &mount, RANGES_M).unwrap();
+    let normals = || shape.points().iter().filter_map(|point| Some((point.at, point.normal?)));
+    assert!(normals().count() > 200, "{}", normals().count());
+    for ([x, y], [nx, ny]) in normals() {
+        assert!((0.3 - x) * nx + (-0.4 - y) * ny > 0.0, "{x} {y}: {nx} {ny}");
+    }
+}
+
 #[test]
 fn a_room_proves_a_place_and_few_points_of_it_do_not() {
     let room: Vec<Wall> = vec![

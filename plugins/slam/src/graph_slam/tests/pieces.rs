@@ -34,6 +34,7 @@ fn expected(reference_from_scan: Pose2) -> Expected<'static> {
         half_at: 1.0,
         first_gate_m: 0.5,
         shape: None,
+        least_pairs: 0.0,
     }
 }
 
