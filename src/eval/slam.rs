@@ -90,20 +90,19 @@ impl Args {
         self.pictures.as_ref().map(|folder| folder.join(name))
     }
 
-    /// Makes the folder of the pictures, before hours of work, and refuses two rows with one picture.
+    /// Refuses two rows with one picture and makes the folder, before hours of work.
     fn prepare_pictures(&self) -> Result<(), Failure> {
+        let rows = self.logs.iter().flat_map(|log| self.pipelines.iter().map(move |of| (log, of)));
         let mut named = BTreeSet::new();
-        for (log, pipeline) in self.logs.iter().flat_map(|log| self.pipelines.iter().map(move |of| (log, of)))
-        {
-            let Some(picture) = self.picture(log, pipeline) else { return Ok(()) };
-            make_folder_of(&picture)?;
-            if !named.insert(picture.clone()) {
+        for picture in rows.filter_map(|(log, pipeline)| self.picture(log, pipeline)) {
+            if named.contains(&picture) {
                 let message =
                     format!("two rows would write {}; rename a log or a pipeline", picture.display());
                 return Err(Failure::Usage(message));
             }
+            named.insert(picture);
         }
-        Ok(())
+        named.first().map_or(Ok(()), |picture| make_folder_of(picture))
     }
 }
 
@@ -176,8 +175,10 @@ fn row_of(
     if let Some(detail) = driven.end.detail.as_ref().filter(|_| driven.end.reason != EndReason::Ended) {
         terminal.error(&format!("{file} on {}: {detail}", log.display()));
     }
-    if let Some(picture) = args.picture(log, pipeline) {
-        write_picture(&picture, &driven.record)?;
+    let picture = args.picture(log, pipeline).filter(|_| driven.end.reason != EndReason::Interrupted);
+    if let Some(Err(failure)) = picture.map(|picture| write_picture(&picture, &driven.record)) {
+        // The figures of hours are worth more than a picture.
+        terminal.error(&failure.to_string());
     }
     let known = engine.trajectory();
     let known = known.map_err(|error| Failure::Internal(format!("{file}: {error}")))?;

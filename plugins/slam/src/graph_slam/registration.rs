@@ -40,8 +40,8 @@ pub(crate) struct Expected<'a> {
     pub first_gate_m: f64,
     /// What the scan tells by its own shape: along directions that no point tells which lies on the reference, no pair counts.
     pub shape: Option<&'a ScanShape>,
-    /// Along directions of which fewer pairs than this tell, of surfaces that face them, a scan with such a shape stays near where
-    /// it is expected.
+    /// Of a direction on which pairs that agree fully say less than so many would, on surfaces that face it with the noise of every
+    /// point, they are not believed where they would move a scan that has such a shape far; zero where they always are.
     pub least_pairs: f64,
 }
 
@@ -74,7 +74,7 @@ const KNOWN_SHARE: f64 = 0.5;
 
 /// Where few points tell a direction, fewer pairs than this may be of other things: the back of a box and its front.
 pub(crate) const LEAST_PAIRS: f64 = 2.0;
-/// So few move a scan no farther than this, meters.
+/// So few move a scan no farther than this beside where it would be without them, meters; how far they turn it is left to them.
 const FEW_MOVE_M: f64 = 0.1;
 
 const MOST_ROUNDS: usize = 25;
@@ -91,22 +91,24 @@ pub(crate) fn register(
     let prior = &expected.reference_from_scan;
     let known_m = KNOWN_SHARE * expected.first_gate_m.max(settings.gate_m);
     let blind = expected.shape.map(|shape| shape.blind_where(known_to(reference, prior, known_m)));
-    let found = register_along(reference, scan, expected, blind.flatten(), settings)?;
+    let found = register_but(blind.flatten(), reference, scan, expected, settings)?;
     let Some((shape, None)) = expected.shape.zip(blind) else { return Some(found) };
     let least_1_m2 = expected.least_pairs / (2.0 * settings.across_m * settings.across_m);
-    let Some(untold) = shape.untold_by(&found.information, least_1_m2) else { return Some(found) };
+    let untold = shape.untold_by(&found.information, least_1_m2).filter(|_| least_1_m2 > 0.0);
+    let Some(untold) = untold else { return Some(found) };
     let untold = untold.turned(&found.reference_from_scan.rotation.inverse());
-    let held = register_along(reference, scan, expected, Some(untold), settings)?;
+    // A scan that has no place without so few of its pairs has none.
+    let held = register_but(Some(untold), reference, scan, expected, settings)?;
     let moved = held.reference_from_scan.inverse() * found.reference_from_scan;
     Some(if moved.translation.vector.norm() > FEW_MOVE_M { held } else { found })
 }
 
-/// The same, without directions, in the scan's axes, that it cannot tell.
-fn register_along(
+/// Along directions, in the scan's axes, that cannot be told it is where it is expected.
+fn register_but(
+    blind: Option<Observability>,
     reference: &NearestTable,
     scan: &[SurfacePoint],
     expected: &Expected<'_>,
-    blind: Option<Observability>,
     settings: &RegistrationSettings,
 ) -> Option<Registered> {
     let prior = &expected.reference_from_scan;

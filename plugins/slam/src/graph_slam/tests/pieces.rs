@@ -145,6 +145,34 @@ fn a_corridor_says_nothing_of_the_way_along_it() {
     assert!(found.information[(0, 0)] < 0.02 * found.information[(1, 1)], "{}", found.information);
 }
 
+/// Something small stands in a corridor, and 0.2 m farther in the other scan, whichever way both look: believed, it pulls.
+#[test]
+fn few_pairs_do_not_pull_a_scan_along_a_corridor() {
+    let corridor = |post_m: f64| {
+        [
+            [-500.0, -1.0, 500.0, -1.0],
+            [-500.0, 1.0, 500.0, 1.0],
+            [post_m, -0.2, post_m, 0.2],
+            [post_m, 0.2, post_m + 1.0, 0.2],
+            [post_m, -0.2, post_m + 1.0, -0.2],
+        ]
+    };
+    for (first_rad, second_rad) in [(0.0, 0.0), (0.4, -0.385), (-0.4, 0.385), (-1.5, -1.0)] {
+        let [first, second] = [first_rad, second_rad].map(|yaw_rad| pose2(0.0, 0.1, yaw_rad));
+        let reference = table(&scan(&corridor(2.0), &first, 1));
+        let other = Surface::of(&scan(&corridor(2.2), &second, 2), &Pose3::identity(), &LIMITS);
+        let first_from_second = first.inverse() * second;
+        let moved_m = |least_pairs: f64| {
+            let guess = Expected { shape: other.shape.as_ref(), least_pairs, ..expected(first_from_second) };
+            let found = register(&reference, &other, &guess, &SETTINGS).unwrap();
+            (first * found.reference_from_scan * second.inverse()).translation.x
+        };
+        let (believed_m, held_m) = (moved_m(0.0), moved_m(25.0));
+        assert!(believed_m.abs() > 0.1, "{first_rad} {second_rad}: {believed_m}");
+        assert!(held_m.abs() < 0.02, "{first_rad} {second_rad}: {held_m}");
+    }
+}
+
 #[test]
 fn nothing_to_register_on_is_no_place() {
     let points = surface(&scan(&walls(), &pose2(1.5, 1.5, 0.0), 1));
