@@ -130,11 +130,11 @@ impl ScanShape {
     }
 
     /// Directions of which this information of x, y and yaw says less than so much (1/m², yaw by the scan's extent), in the axes of the
-    /// information; none where it says enough of all, and where it says nothing.
+    /// information; none where it says enough of all.
     pub fn untold_by(&self, information: &Matrix3<f64>, least_1_m2: f64) -> Option<Observability> {
         let evidence = Linearized { hessian: *information, weight: 1.0, ..Linearized::default() };
         let rule = ObservabilitySettings { floor_per_m2: least_1_m2, ratio: 0.0 };
-        Observability::unless_complete(&evidence, self.extent_m, &rule).filter(|untold| !untold.is_empty())
+        Observability::unless_complete(&evidence, self.extent_m, &rule)
     }
 
     fn known(&self, is_known: impl Fn(&ShapePoint) -> bool) -> Vec<&ShapePoint> {

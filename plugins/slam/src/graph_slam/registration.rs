@@ -41,7 +41,7 @@ pub(crate) struct Expected<'a> {
     /// What the scan tells by its own shape: along directions that no point tells which lies on the reference, no pair counts.
     pub shape: Option<&'a ScanShape>,
     /// Of a direction on which pairs that agree fully say less than so many would, on surfaces that face it with the noise of every
-    /// point, they are not believed where they would move a scan that has such a shape far; zero where they always are.
+    /// point, they are not believed where they would move a scan that has such a shape far; with zero they are, if there are any.
     pub least_pairs: f64,
 }
 
@@ -94,8 +94,7 @@ pub(crate) fn register(
     let found = register_but(blind.flatten(), reference, scan, expected, settings)?;
     let Some((shape, None)) = expected.shape.zip(blind) else { return Some(found) };
     let least_1_m2 = expected.least_pairs / (2.0 * settings.across_m * settings.across_m);
-    let untold = shape.untold_by(&found.information, least_1_m2).filter(|_| least_1_m2 > 0.0);
-    let Some(untold) = untold else { return Some(found) };
+    let Some(untold) = shape.untold_by(&found.information, least_1_m2) else { return Some(found) };
     let untold = untold.turned(&found.reference_from_scan.rotation.inverse());
     // A scan that has no place without so few of its pairs has none.
     let held = register_but(Some(untold), reference, scan, expected, settings)?;
