@@ -15,6 +15,17 @@ pub(super) struct View<'a> {
     pub surface: &'a Surface,
 }
 
+/// Narrower views are not judged so: what a depth camera sees of low things changes with how far away they are, and a
+/// robot that waited for a good fit would have turned away from all that it could be registered on.
+const NARROW_RAD: f64 = std::f64::consts::FRAC_PI_2;
+
+impl View<'_> {
+    /// Too narrow to be judged by what it does not see.
+    pub fn is_narrow(&self) -> bool {
+        self.scan.bearing_step_rad.abs() * (self.scan.ranges_m.len() as f64) < NARROW_RAD
+    }
+}
+
 /// A point is in free space when it lies nearer than the readings beside it by this, meters; and by this share of the way.
 const MARGIN_M: f64 = 0.3;
 const MARGIN_SHARE: f64 = 0.05;

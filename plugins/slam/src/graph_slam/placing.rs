@@ -17,9 +17,6 @@ const MOST_DENIED: f64 = 0.1;
 const SURELY_DENIED: f64 = 0.05;
 /// Nor is a place that was searched for in the whole map taken where more does: corners of buildings are alike.
 const HARDLY_DENIED: f64 = 0.03;
-/// Narrower views are not judged so: what a depth camera sees of low things changes with how far away they are, and a
-/// robot that waited for a good fit would have turned away from all that it could be registered on.
-const NARROW_RAD: f64 = std::f64::consts::FRAC_PI_2;
 /// So many scans in a row may fit badly before it takes a good one to be sure again.
 const MISSED_BY_CHANCE: u32 = 2;
 /// Lost robots look for themselves every so many scans ...
@@ -31,10 +28,6 @@ const LONGEST_PAUSE: u32 = 32;
 
 /// Standard deviation by wheels of a step that scans do not tell, at least, meters, unless the wheels stand.
 const STEP_M: f64 = 0.004;
-
-fn is_narrow(view: &View<'_>) -> bool {
-    view.scan.bearing_step_rad.abs() * (view.scan.ranges_m.len() as f64) < NARROW_RAD
-}
 
 impl Tracker {
     pub(super) fn place(&mut self, view: &View<'_>, prediction: &Prediction) {
@@ -67,7 +60,7 @@ impl Tracker {
                 self.is_adrift = true;
             }
             // A robot that was carried away must not settle where it fits least badly.
-            let (least_fit, most_denied) = if is_narrow(view) {
+            let (least_fit, most_denied) = if view.is_narrow() {
                 (0.0, 1.0)
             } else if self.is_doubtful || self.n_missed > MISSED_BY_CHANCE {
                 (SURE_FIT, SURELY_DENIED)

@@ -1,10 +1,15 @@
 //! Which key frames are tied to which, by registering their scans.
 
-use super::atlas::{Atlas, TURN_AS_WAY_M};
+use super::atlas::{Atlas, KeyFrame, TURN_AS_WAY_M};
+use super::contradiction::denied_share;
 use super::registration::{Expected, LEAST_PAIRS, Registered, register};
 use nalgebra::Matrix3;
 use rumbo_core::frames::Pose2;
 use rumbo_kit::pose_graph::{Constraint, RobustKernel};
+
+/// Loops in which more than this share of what both scans see is denied are none. On the log of FR079 it was at most 0.17 in right
+/// ones, and 0.29 to 0.34 in wrong ones.
+const MOST_DENIED: f64 = 0.2;
 
 /// The odometer binds a frame to the one before it; scans tie a frame to earlier ones.
 fn is_by_odometer(link: &Constraint) -> bool {
@@ -26,10 +31,22 @@ impl Atlas {
             return false;
         }
         let Some(found) = self.registered(frame, other, expected, first_gate_m) else { return false };
+        if is_loop && self.is_denied(frame, other, &found.reference_from_scan) {
+            return false;
+        }
         let (c, share) = (self.settings.kernel_c, self.settings.believed_share);
         let kernel = if is_loop { RobustKernel::Huber { c } } else { RobustKernel::Cauchy { c } };
         self.bind(frame, other, found.reference_from_scan, found.information * share, kernel);
         true
+    }
+
+    /// What one of them saw stands where the other saw nothing: it is another room that looks alike.
+    fn is_denied(&self, frame: usize, other: usize, frame_from_other: &Pose2) -> bool {
+        let views =
+            self.frames.get(frame).map(KeyFrame::view).zip(self.frames.get(other).map(KeyFrame::view));
+        views.is_some_and(|(one, other)| {
+            !one.is_narrow() && denied_share(&one, &other, frame_from_other) > MOST_DENIED
+        })
     }
 
     fn registered(

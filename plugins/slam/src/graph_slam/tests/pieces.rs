@@ -209,6 +209,29 @@ fn scans_deny_each_other_where_they_are_said_to_be_from_another_place() {
     }
 }
 
+/// Two corridors that are alike, but in one of them a wall leaves no more than a gap.
+#[test]
+fn a_loop_is_none_where_one_scan_saw_what_the_other_saw_through() {
+    let open = [[-20.0, -1.5, 20.0, -1.5], [-20.0, 1.5, 20.0, 1.5], [8.0, -1.5, 8.0, 1.5]];
+    let shut = [open[0], open[1], open[2], [0.6, -1.3, 0.6, 1.5]];
+    let here = pose2(0.0, 0.0, 0.0);
+    let key_frame = |scan: LaserScan| KeyFrame {
+        surface: Surface { points: surface(&scan), shape: None },
+        scan,
+        base_from_sensor: Pose3::identity(),
+        is_guessed: false,
+    };
+    for (walls, is_tied) in [(&open[..], true), (&shut[..], false)] {
+        let mut atlas = Atlas::new(GraphSlamParams::default().tracker().tie);
+        atlas.settings.least_overlap = 0.2;
+        atlas.add(key_frame(scan(&open, &here, 1)), &here, None).unwrap();
+        atlas.add(key_frame(scan(walls, &here, 2)), &here, Some((0, here))).unwrap();
+        assert_eq!(atlas.tie(0, 1, &here, 0.4, true), is_tied, "{walls:?}");
+        atlas.tried.clear();
+        assert!(atlas.tie(0, 1, &here, 0.4, false), "frames of one visit are tied in any case");
+    }
+}
+
 /// A key frame that saw nothing.
 fn blind_frame() -> KeyFrame {
     KeyFrame {
