@@ -15,8 +15,8 @@ pub(super) struct View<'a> {
     pub surface: &'a Surface,
 }
 
-/// Narrower views are not judged so: what a depth camera sees of low things changes with how far away they are, and a
-/// robot that waited for a good fit would have turned away from all that it could be registered on.
+/// Narrower views are not judged by what they deny: what a depth camera sees of low things changes with how far away they are,
+/// and a robot that waited for a good fit would have turned away from all that it could be registered on.
 const NARROW_RAD: f64 = std::f64::consts::FRAC_PI_2;
 
 impl View<'_> {

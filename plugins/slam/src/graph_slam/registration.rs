@@ -90,9 +90,9 @@ pub(crate) fn register(
 ) -> Option<Registered> {
     let prior = &expected.reference_from_scan;
     let known_m = KNOWN_SHARE * expected.first_gate_m.max(settings.gate_m);
-    let blind = expected.shape.map(|shape| shape.blind_where(known_to(reference, prior, known_m)));
-    let found = register_but(blind.flatten(), reference, scan, expected, settings)?;
-    let Some((shape, None)) = expected.shape.zip(blind) else { return Some(found) };
+    let blind = expected.shape.and_then(|shape| shape.blind_where(known_to(reference, prior, known_m)));
+    let found = register_but(blind, reference, scan, expected, settings)?;
+    let Some(shape) = expected.shape.filter(|_| blind.is_none()) else { return Some(found) };
     let least_1_m2 = expected.least_pairs / (2.0 * settings.across_m * settings.across_m);
     let Some(untold) = shape.untold_by(&found.information, least_1_m2) else { return Some(found) };
     let untold = untold.turned(&found.reference_from_scan.rotation.inverse());

@@ -9,7 +9,7 @@ use rumbo_kit::pose_graph::{Constraint, RobustKernel};
 
 /// Loops in which more than this share of what both scans see is denied are none. On the log of FR079 it was at most 0.17 in right
 /// ones, and 0.29 to 0.34 in wrong ones.
-const MOST_DENIED: f64 = 0.2;
+const MOST_DENIED_IN_LOOP: f64 = 0.2;
 
 /// The odometer binds a frame to the one before it; scans tie a frame to earlier ones.
 fn is_by_odometer(link: &Constraint) -> bool {
@@ -45,7 +45,7 @@ impl Atlas {
         let views =
             self.frames.get(frame).map(KeyFrame::view).zip(self.frames.get(other).map(KeyFrame::view));
         views.is_some_and(|(one, other)| {
-            !one.is_narrow() && denied_share(&one, &other, frame_from_other) > MOST_DENIED
+            !one.is_narrow() && denied_share(&one, &other, frame_from_other) > MOST_DENIED_IN_LOOP
         })
     }
 

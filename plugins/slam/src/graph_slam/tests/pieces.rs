@@ -209,18 +209,22 @@ fn scans_deny_each_other_where_they_are_said_to_be_from_another_place() {
     }
 }
 
+/// A key frame of a scan by a sensor at the robot's middle.
+fn key_frame(scan: LaserScan) -> KeyFrame {
+    KeyFrame {
+        surface: Surface { points: surface(&scan), shape: None },
+        scan,
+        base_from_sensor: Pose3::identity(),
+        is_guessed: false,
+    }
+}
+
 /// Two corridors that are alike, but in one of them a wall leaves no more than a gap.
 #[test]
 fn a_loop_is_none_where_one_scan_saw_what_the_other_saw_through() {
     let open = [[-20.0, -1.5, 20.0, -1.5], [-20.0, 1.5, 20.0, 1.5], [8.0, -1.5, 8.0, 1.5]];
     let shut = [open[0], open[1], open[2], [0.6, -1.3, 0.6, 1.5]];
     let here = pose2(0.0, 0.0, 0.0);
-    let key_frame = |scan: LaserScan| KeyFrame {
-        surface: Surface { points: surface(&scan), shape: None },
-        scan,
-        base_from_sensor: Pose3::identity(),
-        is_guessed: false,
-    };
     for (walls, is_tied) in [(&open[..], true), (&shut[..], false)] {
         let mut atlas = Atlas::new(GraphSlamParams::default().tracker().tie);
         atlas.settings.least_overlap = 0.2;
@@ -232,22 +236,12 @@ fn a_loop_is_none_where_one_scan_saw_what_the_other_saw_through() {
     }
 }
 
-/// A key frame that saw nothing.
-fn blind_frame() -> KeyFrame {
-    KeyFrame {
-        scan: LaserScan::default(),
-        base_from_sensor: Pose3::identity(),
-        surface: Surface::default(),
-        is_guessed: false,
-    }
-}
-
 #[test]
 fn what_the_gyroscope_says_of_a_turn_counts_by_its_error_and_is_no_way() {
     let mut atlas = Atlas::new(GraphSlamParams::default().tracker().tie);
     let by_wheels = pose2(0.3, 0.0, 0.5);
-    atlas.add(blind_frame(), &Pose2::identity(), None).unwrap();
-    atlas.add(blind_frame(), &by_wheels, None).unwrap();
+    atlas.add(key_frame(LaserScan::default()), &Pose2::identity(), None).unwrap();
+    atlas.add(key_frame(LaserScan::default()), &by_wheels, None).unwrap();
     let off_rad = atlas.settings.off_by_gyroscope_rad(0.4, 0.5);
     assert!(
         (off_rad.to_degrees() - (0.1 + 0.3 * 0.5 + 0.01 * 0.4f64.to_degrees())).abs() < 1e-9,
@@ -268,7 +262,7 @@ fn what_the_gyroscope_says_of_a_turn_counts_by_its_error_and_is_no_way() {
 fn strain_is_the_worst_of_the_newest_ties_in_deviations_squared() {
     let mut atlas = Atlas::new(GraphSlamParams::default().tracker().tie);
     for x_m in [0.0, 1.0, 2.0] {
-        atlas.add(blind_frame(), &pose2(x_m, 0.0, 0.0), None).unwrap();
+        atlas.add(key_frame(LaserScan::default()), &pose2(x_m, 0.0, 0.0), None).unwrap();
     }
     let information = Matrix3::from_diagonal(&Vector3::new(100.0, 25.0, 400.0));
     // Five deviations off along x; then two across and one in turn.
